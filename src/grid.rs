@@ -1,0 +1,68 @@
+//! The grid that everything is exact on: pixels, their centres, and 1/256 of a pixel.
+//!
+//! ```text
+//!      0     1     2  px          centre of pixel (i, j):  (256 i + 128, 256 j + 128) in 1/256 px
+//!    0 +-----+-----+
+//!      |  .  |  .  |              a pixel belongs to what its centre lies in; a centre exactly on a
+//!    1 +-----+-----+              left or top boundary is inside, on a right or bottom one outside
+//! ```
+
+/// Grid steps to a pixel.
+pub const SUB: i64 = 256;
+
+/// Widest page, in pixels.
+pub const MAX_WIDTH: u32 = 1 << 20;
+
+/// Longest page, in pixels.
+pub const MAX_HEIGHT: u32 = 1 << 23;
+
+/// A point whose coordinates are at most this many pixels from the origin is *near*: lines between near points are stepped in
+/// 64-bit integers. Lines with a far end are reduced to near ones, exactly, when the edges are built.
+pub const NEAR: f64 = (1 << 24) as f64;
+
+/// A point in pixels.
+pub type Point = [f64; 2];
+
+/// Rounds a finite coordinate in pixels to the nearest 1/256, ties away from zero. The result is a multiple of 1/256, exactly
+/// (a double past 2^44 already is one).
+pub fn snap(x: f64) -> f64 {
+    if x.abs() < (1u64 << 44) as f64 { (x * SUB as f64).round() / SUB as f64 } else { x }
+}
+
+/// Rounds both coordinates of a point.
+pub fn snap_point(p: Point) -> Point {
+    [snap(p[0]), snap(p[1])]
+}
+
+/// Whether a point is near (see [`NEAR`]).
+pub fn is_near(p: Point) -> bool {
+    p[0].abs() <= NEAR && p[1].abs() <= NEAR
+}
+
+/// The first pixel whose centre is not before `x`, which is in 1/256 px: the column of a vertical edge, or the first scanline of
+/// an edge that begins there.
+pub fn first_centre(x: i64) -> i64 {
+    (x - SUB / 2).div_euclid(SUB) + i64::from((x - SUB / 2).rem_euclid(SUB) != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_to_the_nearest_with_ties_away_from_zero() {
+        assert_eq!(snap(1.0 / 512.0), 1.0 / 256.0);
+        assert_eq!(snap(-1.0 / 512.0), -1.0 / 256.0);
+        assert_eq!(snap(0.49 / 256.0), 0.0);
+        assert_eq!(snap(1e300), 1e300);
+        assert_eq!(snap((1u64 << 43) as f64 + 1.0 / 512.0), (1u64 << 43) as f64 + 1.0 / 256.0);
+    }
+
+    #[test]
+    fn the_first_centre_is_half_open() {
+        for x in -2000..2000 {
+            let brute = (-100..100).find(|i| i * SUB + SUB / 2 >= x).unwrap();
+            assert_eq!(first_centre(x), brute, "{x}");
+        }
+    }
+}

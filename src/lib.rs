@@ -1,0 +1,32 @@
+//! Shapes and boolean expressions in, exact raster lines out.
+//!
+//! Everything is a [sweep](sweep::Sweep) that keeps a short ordered list of active edges, and a
+//! [count](count::Counters) that is updated while that list is walked from left to right. No polygon
+//! is ever intersected with another and no mask image is stored, so memory follows the drawing and
+//! not the page.
+//!
+//! The modules are floors; imports point down only (`tests/floors.rs` keeps it so):
+//!
+//! ```text
+//! 5  cli  main               arguments, files, signals
+//! 4  job                     bytes -> scene -> rows -> Write
+//! 3  region  input  encode   runs of a page; readers; writers
+//! 2  edge  scene             edge builders; shapes, expression, page, limits
+//! 1  sweep  shape            active edges in column order; paths, fill rules, flattening
+//! 0  grid  line  count  bits  run  error
+//! ```
+
+pub mod bits;
+pub mod count;
+pub mod edge;
+pub mod encode;
+pub mod error;
+pub mod grid;
+pub mod input;
+pub mod job;
+pub mod line;
+pub mod region;
+pub mod run;
+pub mod scene;
+pub mod shape;
+pub mod sweep;

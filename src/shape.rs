@@ -1,0 +1,113 @@
+//! Paths, fill rules and transforms: a shape before it meets the grid.
+
+use crate::grid::Point;
+
+/// Which windings are inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum FillRule {
+    /// Winding number not 0.
+    #[default]
+    NonZero,
+    /// Winding number odd.
+    EvenOdd,
+}
+
+/// What the next points of a path mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verb {
+    /// One point: starts a subpath.
+    Move,
+    /// One point: straight to it.
+    Line,
+    /// Two points: a quadratic Bézier curve.
+    Quad,
+    /// Three points: a cubic Bézier curve.
+    Cubic,
+    /// No point: back to the start of the subpath.
+    Close,
+}
+
+/// A path in user units. Every subpath is filled as if it were closed. Coordinates are finite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Path {
+    verbs: Vec<Verb>,
+    points: Vec<Point>,
+}
+
+impl Path {
+    /// Starts a subpath.
+    pub fn move_to(&mut self, p: Point) {
+        self.push(Verb::Move, &[p]);
+    }
+
+    /// A straight line to `p`.
+    pub fn line_to(&mut self, p: Point) {
+        self.push(Verb::Line, &[p]);
+    }
+
+    /// A quadratic curve with control point `c` to `p`.
+    pub fn quad_to(&mut self, c: Point, p: Point) {
+        self.push(Verb::Quad, &[c, p]);
+    }
+
+    /// A cubic curve with control points `c` and `d` to `p`.
+    pub fn cubic_to(&mut self, c: Point, d: Point, p: Point) {
+        self.push(Verb::Cubic, &[c, d, p]);
+    }
+
+    /// Closes the subpath.
+    pub fn close(&mut self) {
+        self.push(Verb::Close, &[]);
+    }
+
+    /// A closed polygon.
+    pub fn ring(&mut self, points: &[Point]) {
+        if let Some((&first, rest)) = points.split_first() {
+            self.move_to(first);
+            rest.iter().for_each(|&p| self.line_to(p));
+            self.close();
+        }
+    }
+
+    /// The verbs.
+    pub fn verbs(&self) -> &[Verb] {
+        &self.verbs
+    }
+
+    /// The points, in the order in which the verbs take them.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    fn push(&mut self, verb: Verb, points: &[Point]) {
+        self.verbs.push(verb);
+        self.points.extend_from_slice(points);
+    }
+}
+
+/// A map of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transform {
+    /// `x' = a x + c y + e`, `y' = b x + d y + f`, in SVG's order `[a, b, c, d, e, f]`.
+    Affine([f64; 6]),
+    /// A homography, row by row: `(x', y', w') = M (x, y, 1)`.
+    Projective([f64; 9]),
+}
+
+impl Transform {
+    /// Every point stays.
+    pub const IDENTITY: Transform = Transform::Affine([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+}
+
+/// A filled path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// For messages: the id of the element, or what stands for it.
+    pub name: String,
+    /// The outline.
+    pub path: Path,
+    /// Which windings are inside.
+    pub rule: FillRule,
+    /// From the path's coordinates to user units of the page.
+    pub transform: Transform,
+}
