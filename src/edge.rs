@@ -1,1 +1,181 @@
-//! (Skeleton.)
+//! From shapes to edges: flattened, rounded to the grid, cut to the page, gathered into chains.
+//!
+//! A ring of points becomes chains of edges that run in one vertical direction. Edges that meet no scanline of the page are dropped (they
+//! cannot change a pixel), edges left of the page become vertical at column 0 (they still count), edges right of it are dropped.
+//! What remains of one direction stays one chain, whatever was dropped between, so the next edge of an outline takes the place of the one before
+//! without an event.
+//!
+//! ```text
+//!        1
+//!       / \             ring 1 2 3 4 5: chain 1-2-3 with winding +1, chain 1-5 with winding -1
+//!      /   \ 2
+//!    5 \    |           between 4 and 5 lies no centre of a scanline: that edge is dropped, and 3-4 with it
+//!      4\_  | 3
+//! ```
+
+use crate::count::Node;
+use crate::error::{Error, Kind, Result};
+use crate::grid::{self, Point, SUB};
+use crate::line::{Line, far};
+use crate::shape::Shape;
+use crate::shape::flatten::{self, Flattening};
+use crate::sweep::{Edge, Edges};
+
+/// What an edge does to the winding of its shape when it is crossed from left to right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    /// The shape's leaf in the counting program.
+    pub leaf: Node,
+    /// Added to its winding number.
+    pub winding: i32,
+}
+
+/// Where user units come to lie on the page: scaled, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Pixels to a user unit.
+    pub scale: f64,
+    /// Where the origin of the drawing lies, in pixels.
+    pub offset: Point,
+}
+
+/// An edge with its first scanline.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    first: u32,
+    edge: Edge,
+}
+
+/// Collects the edges of shapes on a page.
+#[derive(Debug)]
+pub struct Builder {
+    edges: Edges<Side>,
+    width: u32,
+    height: u32,
+    placement: Placement,
+    tolerance: f64,
+    limit: u64,
+    seen: u64,
+    open: bool,
+    /// Parts of the chain that is being gathered, in the order of the ring.
+    chain: Vec<Part>,
+    downwards: bool,
+    pieces: Vec<far::Piece>,
+}
+
+impl Builder {
+    /// For a page of `width` x `height` pixels; curves are flattened to `tolerance` pixels. More than `limit` edges are refused.
+    pub fn new(width: u32, height: u32, placement: Placement, tolerance: f64, limit: u64) -> Builder {
+        Builder {
+            edges: Edges::new(width),
+            width,
+            height,
+            placement,
+            tolerance,
+            limit,
+            seen: 0,
+            open: false,
+            chain: Vec::new(),
+            downwards: true,
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Adds the edges of a shape, counted for `leaf`.
+    ///
+    /// # Errors
+    /// Coordinates past what a double holds; too many edges.
+    pub fn add(&mut self, shape: &Shape, leaf: Node) -> Result<()> {
+        let transform = shape.transform.then_place(self.placement.scale, self.placement.offset);
+        let window = [0.0, 0.0, f64::from(self.width), f64::from(self.height)];
+        let how = Flattening { tolerance: self.tolerance, window };
+        flatten::rings(&shape.path, &transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
+    }
+
+    /// The edges, sorted; whether windings stay open at the right end of scanlines; and how many edges were seen before any was dropped.
+    pub fn finish(self) -> (Edges<Side>, bool, u64) {
+        (self.edges.finish(), self.open, self.seen)
+    }
+
+    fn add_ring(&mut self, ring: &[Point], leaf: Node, name: &str) -> Result<()> {
+        if !ring.as_flattened().iter().all(|v| v.is_finite()) {
+            let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
+            return Err(Error::input(Kind::Refused, what));
+        }
+        self.seen += ring.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64 + u64::from(ring.first() != ring.last());
+        if self.seen > self.limit {
+            let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
+            return Err(Error::input(Kind::Limit, what));
+        }
+        // From a topmost point on, so that no chain is cut where the ring happens to begin.
+        let top = (0..ring.len()).min_by(|&i, &j| ring[i][1].total_cmp(&ring[j][1])).unwrap_or(0);
+        let mut from = grid::snap_point(ring[top]);
+        for i in (top + 1..ring.len()).chain(0..=top) {
+            let to = grid::snap_point(ring[i]);
+            self.add_edge(from, to, leaf);
+            from = to;
+        }
+        self.end_chain(leaf);
+        Ok(())
+    }
+
+    /// Adds an edge between two snapped points.
+    fn add_edge(&mut self, from: Point, to: Point, leaf: Node) {
+        let downwards = from[1] < to[1];
+        let (top, bottom) = if downwards { (from, to) } else { (to, from) };
+        let rows = far::rows(top, bottom, self.height);
+        if rows.is_empty() {
+            return;
+        }
+        if top[0].min(bottom[0]) > f64::from(self.width) - 0.5 {
+            self.open = true;
+            return;
+        }
+        self.pieces.clear();
+        if top[0].max(bottom[0]) <= 0.5 {
+            self.pieces.push(far::Piece { last: rows.end, line: Line::vertical(0) });
+        } else if grid::is_near(top) && grid::is_near(bottom) {
+            let steps = |p: Point| p.map(|v| (v * SUB as f64) as i64);
+            let line = Line::through(steps(top), steps(bottom), rows.start, rows.end - rows.start);
+            self.pieces.push(far::Piece { last: rows.end, line });
+        } else {
+            far::reduce(top, bottom, rows.clone(), self.width, &mut self.pieces);
+        }
+        let joined = self
+            .chain
+            .last()
+            .is_some_and(|end| self.downwards == downwards && if downwards { end.edge.last == rows.start } else { end.first == rows.end });
+        if !joined {
+            self.end_chain(leaf);
+        }
+        self.downwards = downwards;
+        let mut first = rows.start;
+        let behind = self.chain.len();
+        for piece in &self.pieces {
+            self.chain.push(Part { first, edge: Edge { last: piece.last, line: piece.line } });
+            first = piece.last;
+        }
+        if !downwards {
+            self.chain[behind..].reverse();
+        }
+    }
+
+    /// Hands the chain that was gathered to the sweep.
+    fn end_chain(&mut self, leaf: Node) {
+        if !self.downwards {
+            self.chain.reverse();
+        }
+        // Vertical edges that follow each other in one column are one.
+        self.chain.dedup_by(|below, above| {
+            let same = above.edge.line == below.edge.line && above.edge.line.is_vertical();
+            if same {
+                above.edge.last = below.edge.last;
+            }
+            same
+        });
+        if let Some(&Part { first, .. }) = self.chain.first() {
+            let winding = if self.downwards { 1 } else { -1 };
+            self.edges.add(first, self.chain.drain(..).map(|part| part.edge), Side { leaf, winding });
+        }
+    }
+}

@@ -80,12 +80,12 @@ pub struct Merge {
 impl Merge {
     /// Takes the next lines (they must follow those taken before) and hands finished records to `emit`.
     /// `lines` may span a record boundary.
-    pub fn push<E>(&mut self, lines: Lines<'_>, mut emit: impl FnMut(Lines<'_>) -> Result<(), E>) -> Result<(), E> {
+    pub fn push(&mut self, lines: Lines<'_>, mut emit: impl FnMut(Lines<'_>)) {
         debug_assert!(self.n == 0 || self.y + self.n == lines.y, "lines follow each other");
         let (mut y, mut left) = (lines.y, lines.n);
         while left > 0 {
             if self.n > 0 && (y.is_multiple_of(RECORD_LINES) || self.runs != lines.runs) {
-                self.flush(&mut emit)?;
+                self.flush(&mut emit);
             }
             if self.n == 0 {
                 self.y = y;
@@ -97,16 +97,13 @@ impl Merge {
             y += take;
             left -= take;
         }
-        Ok(())
     }
 
     /// Hands out the record that is still open, if there is one.
-    pub fn flush<E>(&mut self, mut emit: impl FnMut(Lines<'_>) -> Result<(), E>) -> Result<(), E> {
+    pub fn flush(&mut self, mut emit: impl FnMut(Lines<'_>)) {
         if self.n > 0 {
-            let (y, n) = (self.y, self.n);
+            emit(Lines { y: self.y, n: self.n, runs: &self.runs });
             self.n = 0;
-            emit(Lines { y, n, runs: &self.runs })?;
         }
-        Ok(())
     }
 }

@@ -3,10 +3,12 @@
 //! Readers of documents build a [`Scene`]; the job turns the part of it that a picture needs into edges and a counting
 //! program. A scene holds no pixels and knows no resolution: its unit is the user unit, one pixel at scale 1.
 
+mod compile;
 mod expression;
 mod formula;
 mod limits;
 
+pub use compile::compile;
 pub use expression::{Expression, nearest};
 pub use formula::{Area, Formula, Gate, Input};
 pub use limits::Limits;

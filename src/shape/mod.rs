@@ -1,4 +1,9 @@
 //! Paths, fill rules and transforms: a shape before it meets the grid.
+//!
+//! [`flatten`] turns a path under a transform into rings of points in pixels; [`projective`] does it under a homography.
+
+pub mod flatten;
+mod projective;
 
 use crate::grid::Point;
 
@@ -97,6 +102,25 @@ pub enum Transform {
 impl Transform {
     /// Every point stays.
     pub const IDENTITY: Transform = Transform::Affine([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+
+    /// This map, followed by a scaling by `scale` and then a move by `offset`.
+    #[must_use]
+    pub fn then_place(&self, scale: f64, offset: Point) -> Transform {
+        let [dx, dy] = offset;
+        match *self {
+            Transform::Affine([a, b, c, d, e, f]) => {
+                Transform::Affine([a * scale, b * scale, c * scale, d * scale, e * scale + dx, f * scale + dy])
+            }
+            Transform::Projective([a, b, c, d, e, f, g, h, i]) => {
+                let x = [a, b, c].map(|v| v * scale);
+                let y = [d, e, f].map(|v| v * scale);
+                let w = [g, h, i];
+                let [x0, x1, x2] = [0, 1, 2].map(|k| x[k] + w[k] * dx);
+                let [y0, y1, y2] = [0, 1, 2].map(|k| y[k] + w[k] * dy);
+                Transform::Projective([x0, x1, x2, y0, y1, y2, g, h, i])
+            }
+        }
+    }
 }
 
 /// A filled path.

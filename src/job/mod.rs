@@ -1,0 +1,190 @@
+//! The whole pipeline in one place: bytes to scene, scene to rows, rows to bytes.
+//!
+//! ```text
+//! bytes --input--> Scene --Job::prepare--> edges + program --Rows--> lines --encode--> bytes
+//!                                          (once, shared)   a band a thread, or pulled by a Stream
+//! ```
+//!
+//! A [`Job`] is a prepared picture. [`Job::render`] writes it with any number of threads, [`Job::stream`] is the same as something to
+//! be pulled; both give the same bytes.
+
+mod convert;
+mod info;
+mod pump;
+mod render;
+mod size;
+mod stream;
+
+pub use convert::convert;
+pub use info::{Entry, Info, info};
+pub use size::Size;
+pub use stream::{More, Stream};
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::edge::Builder;
+use crate::error::{Error, Result, Warning};
+use crate::region::Picture;
+use crate::run::{BLACK, Header, Rgb};
+use crate::scene::{self, Expression, Layer, Limits, Scene};
+
+/// The default flattening tolerance, in pixels.
+pub const TOLERANCE: f64 = 0.1;
+
+/// The tolerances that are taken, in pixels.
+pub const TOLERANCES: std::ops::RangeInclusive<f64> = 0.001..=16.0;
+
+/// What is asked of a document.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// An expression instead of the document's own picture.
+    pub expr: Option<String>,
+    /// Size of the page.
+    pub size: Size,
+    /// Only these scanlines.
+    pub lines: Option<Range<u32>>,
+    /// Curve flattening, in pixels, one of [`TOLERANCES`].
+    pub tolerance: f64,
+    /// Limits.
+    pub limits: Limits,
+    /// When the work began: [`Stats`] count from here.
+    pub started: Instant,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            expr: None,
+            size: Size::Scale(1.0),
+            lines: None,
+            tolerance: TOLERANCE,
+            limits: Limits::default(),
+            started: Instant::now(),
+        }
+    }
+}
+
+/// What a run cost: the object of `--stats`. Times in seconds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Stats {
+    /// Width of the page in pixels.
+    pub width: u32,
+    /// Height of what was drawn in pixels.
+    pub height: u32,
+    /// Edges after flattening, before any is dropped.
+    pub edges: u64,
+    /// Scanlines drawn.
+    pub lines: u32,
+    /// Scanlines on which the counting ran.
+    pub lines_counted: u64,
+    /// Scanlines that repeat the one above without any work.
+    pub lines_repeated: u64,
+    /// Crossings counted.
+    pub toggles: u64,
+    /// Runs, those of repeated lines too.
+    pub runs: u64,
+    /// Largest number of edges that a scanline crosses.
+    pub peak_active: u64,
+    /// From the start to the last edge sorted.
+    pub prepare_seconds: f64,
+    /// Wall time after that.
+    pub seconds: f64,
+    /// From the start to the first line being ready.
+    pub first_line_seconds: f64,
+    /// Threads asked for.
+    pub threads: usize,
+}
+
+/// A picture ready to be swept, from any line, by any number of threads.
+#[derive(Clone, Debug)]
+pub struct Job {
+    picture: Arc<Picture>,
+    header: Header,
+    band: u32,
+    edges: u64,
+    started: Instant,
+    prepare_seconds: f64,
+}
+
+impl Job {
+    /// Flattens and sorts what the picture needs. `warnings` receives what is worth saying.
+    ///
+    /// # Errors
+    /// An expression that does not parse or names what is not there; a size or a range of lines out of bounds; coordinates past what a
+    /// double holds; a limit.
+    pub fn prepare(mut scene: Scene, options: &Options, warnings: &mut Vec<Warning>) -> Result<Job> {
+        if !TOLERANCES.contains(&options.tolerance) {
+            let what = format!("the tolerance is {} px: give one from {} to {}", options.tolerance, TOLERANCES.start(), TOLERANCES.end());
+            return Err(Error::parameter(what));
+        }
+        let layers = match &options.expr {
+            Some(text) => {
+                let expression = Expression::parse(text)?;
+                vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
+            }
+            None => match &scene.picture {
+                scene::Picture::Region(area) => vec![Layer { area: *area, ink: BLACK }],
+                scene::Picture::Layers(layers) => layers.clone(),
+            },
+        };
+        let page = options.size.page(scene.width, scene.height)?;
+        let lines = options.lines.clone().unwrap_or(0..page.height);
+        if lines.start >= lines.end || lines.end > page.height {
+            let what = format!("lines {}..{} are not on the page: it has {} lines, 0..{0}", lines.start, lines.end, page.height);
+            return Err(Error::parameter(what));
+        }
+
+        let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
+        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs);
+        let (inks, ink_of_layer) = distinct_inks(&layers);
+        let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
+        for (shape, leaf) in leaves {
+            builder.add(&scene.shapes[shape], leaf)?;
+        }
+        drop(scene);
+        let (edges, open, seen) = builder.finish();
+        let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
+        Ok(Job {
+            picture: Arc::new(Picture { width: page.width, edges, program, inks: ink_of_layer, open }),
+            header: Header { width: page.width, lines, inks, dpi },
+            band: band_height(page.height),
+            edges: seen,
+            started: options.started,
+            prepare_seconds: options.started.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// The raster's header.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The bands: they cut the page at the same lines whatever part of it is drawn, by however many threads.
+    fn bands(&self) -> impl Iterator<Item = Range<u32>> + Clone + use<> {
+        let (lines, band) = (self.header.lines.clone(), self.band);
+        (lines.start / band..lines.end.div_ceil(band)).map(move |i| (i * band).max(lines.start)..((i + 1) * band).min(lines.end))
+    }
+}
+
+/// About 64 bands a page, a power of two of lines each, so that the number of bands follows the page's shape and not its resolution.
+fn band_height(height: u32) -> u32 {
+    (height / 64).next_power_of_two().clamp(64, 4096)
+}
+
+/// The distinct inks in the order of first use, and each layer's index among them.
+fn distinct_inks(layers: &[Layer]) -> (Vec<Rgb>, Vec<u32>) {
+    let mut inks = Vec::new();
+    let mut index = std::collections::HashMap::new();
+    let of_layer = layers
+        .iter()
+        .map(|layer| {
+            *index.entry(layer.ink).or_insert_with(|| {
+                inks.push(layer.ink);
+                inks.len() as u32 - 1
+            })
+        })
+        .collect();
+    (inks, of_layer)
+}

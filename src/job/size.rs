@@ -1,0 +1,107 @@
+//! How large the page becomes, and where the drawing lies on it.
+
+use crate::edge::Placement;
+use crate::error::{Error, Kind, Origin, Result};
+use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
+
+/// User units to an inch, as in CSS.
+pub const UNITS_PER_INCH: f64 = 96.0;
+
+/// How large the page becomes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// Pixels to a user unit.
+    Scale(f64),
+    /// Dots an inch; a user unit is 1/96 inch.
+    Dpi(f64),
+    /// Pixels. One alone keeps the aspect; with both the drawing is fitted inside and centred.
+    Pixels {
+        /// Width in pixels.
+        width: Option<u32>,
+        /// Height in pixels.
+        height: Option<u32>,
+    },
+}
+
+/// A page and where the drawing lies on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Page {
+    /// In pixels.
+    pub width: u32,
+    /// In pixels.
+    pub height: u32,
+    /// From user units to pixels.
+    pub placement: Placement,
+}
+
+impl Size {
+    /// The page for a drawing of `width` x `height` user units.
+    ///
+    /// # Errors
+    /// A size that is not positive, or larger than a page may be.
+    pub fn page(&self, width: f64, height: f64) -> Result<Page> {
+        let scaled = |scale: f64| {
+            let page =
+                Page { width: pixels(width * scale)?, height: pixels(height * scale)?, placement: Placement { scale, offset: [0.0; 2] } };
+            Ok(page)
+        };
+        let page = match *self {
+            Size::Scale(scale) => scaled(positive(scale, "scale")?)?,
+            Size::Dpi(dpi) => scaled(positive(dpi, "dpi")? / UNITS_PER_INCH)?,
+            Size::Pixels { width: None, height: None } => scaled(1.0)?,
+            Size::Pixels { width: Some(w), height: None } => Page { width: w, ..scaled(f64::from(w) / width)? },
+            Size::Pixels { width: None, height: Some(h) } => Page { height: h, ..scaled(f64::from(h) / height)? },
+            Size::Pixels { width: Some(w), height: Some(h) } => {
+                let scale = (f64::from(w) / width).min(f64::from(h) / height);
+                let offset = [(f64::from(w) - width * scale) / 2.0, (f64::from(h) - height * scale) / 2.0];
+                Page { width: w, height: h, placement: Placement { scale, offset } }
+            }
+        };
+        if page.width == 0 || page.height == 0 {
+            return Err(Error::parameter("a page has at least one pixel: give a larger width or height"));
+        }
+        if page.width > MAX_WIDTH || page.height > MAX_HEIGHT {
+            let what = format!(
+                "the page would be {} x {} px: at most {MAX_WIDTH} x {MAX_HEIGHT}, so ask for a smaller size",
+                page.width, page.height
+            );
+            return Err(Error { kind: Kind::Limit, origin: Origin::Parameter, ..Error::parameter(what) });
+        }
+        Ok(page)
+    }
+}
+
+/// Rounded half up, at least 1; past what can be told exactly it is larger than any page.
+fn pixels(size: f64) -> Result<u32> {
+    if size.is_finite() {
+        Ok((size + 0.5).floor().clamp(1.0, f64::from(u32::MAX)) as u32)
+    } else {
+        Err(Error::parameter("the page's size is not finite"))
+    }
+}
+
+fn positive(value: f64, what: &str) -> Result<f64> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::parameter(format!("{what} is {value}: give a number above 0"))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages() {
+        let page = |size: Size, w, h| size.page(w, h).map(|p| (p.width, p.height));
+        assert_eq!(page(Size::Scale(1.0), 10.5, 10.49), Ok((11, 10)));
+        assert_eq!(page(Size::Scale(0.001), 10.0, 10.0), Ok((1, 1)));
+        // A0 at 2400 dpi: 841 mm and 1189 mm.
+        assert_eq!(page(Size::Dpi(2400.0), 841.0 / 25.4 * 96.0, 1189.0 / 25.4 * 96.0), Ok((79_465, 112_346)));
+        assert_eq!(page(Size::Pixels { width: Some(100), height: None }, 10.0, 5.0), Ok((100, 50)));
+        assert_eq!(page(Size::Pixels { width: None, height: Some(100) }, 10.0, 5.0), Ok((200, 100)));
+        let fitted = Size::Pixels { width: Some(100), height: Some(100) }.page(10.0, 5.0).unwrap();
+        assert_eq!((fitted.width, fitted.height, fitted.placement), (100, 100, Placement { scale: 10.0, offset: [0.0, 25.0] }));
+        assert_eq!(page(Size::Scale(1.0), 1_048_576.0, 8_388_608.0), Ok((1_048_576, 8_388_608)));
+        assert_eq!(page(Size::Scale(1.0), 1_048_577.0, 1.0).unwrap_err().kind, Kind::Limit);
+        assert_eq!(page(Size::Scale(1e300), 1e300, 1.0).unwrap_err().kind, Kind::Refused);
+        assert!(page(Size::Scale(f64::NAN), 1.0, 1.0).is_err() && page(Size::Dpi(-1.0), 1.0, 1.0).is_err());
+    }
+}

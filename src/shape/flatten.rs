@@ -1,0 +1,272 @@
+//! Paths to rings of points in pixels.
+//!
+//! Curves are flattened in pixels, behind the transform, so that the tolerance holds at any resolution. Parts of a curve that cannot
+//! reach the page are replaced by their chords: a curve and its chord on one side of the page leave the same windings on it, and a curve of
+//! a thousand kilometres costs what is seen of it.
+
+use lyon_geom::{CubicBezierSegment, LineSegment, point};
+
+use super::projective;
+use super::{Path, Transform, Verb};
+use crate::grid::Point;
+
+/// What is seen: left, top, right, bottom in pixels.
+pub type Window = [f64; 4];
+
+/// How fine, and for which part of the plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Flattening {
+    /// Largest distance between a curve and its edges, in pixels.
+    pub tolerance: f64,
+    /// Beyond it curves may become chords.
+    pub window: Window,
+}
+
+/// Curves larger than this are halved before they are flattened, in pixels.
+const LARGE: f64 = 65_536.0;
+
+/// Hands the rings of a path under a transform to `ring`, as points in pixels, not closed by a repeated point. A ring has at least one
+/// point. Points may be infinite or not a number where the transform overflows.
+///
+/// # Errors
+/// The first that `ring` returns.
+pub fn rings<E>(path: &Path, transform: &Transform, how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<(), E>) -> Result<(), E> {
+    match transform {
+        Transform::Affine(matrix) => {
+            let mut points = Vec::new();
+            for piece in pieces(path) {
+                match piece.map(|p| affine(matrix, p)) {
+                    Piece::Start(p) => {
+                        if !points.is_empty() {
+                            ring(&points)?;
+                        }
+                        points.clear();
+                        points.push(p);
+                    }
+                    Piece::Line(_, p) => points.push(p),
+                    Piece::Cubic(cubic) => flatten(cubic, how, &mut points),
+                }
+            }
+            if points.is_empty() { Ok(()) } else { ring(&points) }
+        }
+        Transform::Projective(matrix) => projective::rings(path, matrix, how, ring),
+    }
+}
+
+fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
+    [a * x + c * y + e, b * x + d * y + f]
+}
+
+/// A part of a path with all its points, where it begins included.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Piece {
+    /// A ring begins; the one before is closed.
+    Start(Point),
+    Line(Point, Point),
+    Cubic([Point; 4]),
+}
+
+impl Piece {
+    fn map(self, f: impl Fn(Point) -> Point) -> Piece {
+        match self {
+            Piece::Start(p) => Piece::Start(f(p)),
+            Piece::Line(p, q) => Piece::Line(f(p), f(q)),
+            Piece::Cubic(points) => Piece::Cubic(points.map(f)),
+        }
+    }
+}
+
+/// The pieces of a path; quadratic curves are raised to cubic ones. What follows a `Close` without a `Move` begins where the closed ring began.
+pub(super) fn pieces(path: &Path) -> impl Iterator<Item = Piece> {
+    let mut points = path.points().iter().copied();
+    let mut start = [0.0; 2];
+    let mut at = start;
+    let mut open = false;
+    path.verbs().iter().flat_map(move |verb| {
+        let mut take = || points.next().unwrap_or_default();
+        let mut pair = [None, None];
+        match verb {
+            Verb::Move => {
+                start = take();
+                at = start;
+                open = true;
+                pair[1] = Some(Piece::Start(at));
+            }
+            Verb::Close => {
+                at = start;
+                open = false;
+            }
+            _ => {
+                if !open {
+                    open = true;
+                    pair[0] = Some(Piece::Start(at));
+                }
+                let from = at;
+                pair[1] = Some(match verb {
+                    Verb::Quad => {
+                        let (c, to) = (take(), take());
+                        at = to;
+                        let third = |p: Point| [0, 1].map(|i| p[i] / 3.0 + c[i] * (2.0 / 3.0));
+                        Piece::Cubic([from, third(from), third(to), to])
+                    }
+                    Verb::Cubic => {
+                        let (c, d, to) = (take(), take(), take());
+                        at = to;
+                        Piece::Cubic([from, c, d, to])
+                    }
+                    _ => {
+                        at = take();
+                        Piece::Line(from, at)
+                    }
+                });
+            }
+        }
+        pair.into_iter().flatten()
+    })
+}
+
+/// Appends the points of a curve behind its first.
+fn flatten(cubic: [Point; 4], how: &Flattening, points: &mut Vec<Point>) {
+    if !cubic.as_flattened().iter().all(|v| v.is_finite()) {
+        points.push(cubic[3]);
+        return;
+    }
+    let mut stack = vec![cubic];
+    while let Some(cubic) = stack.pop() {
+        if beside(&cubic, &how.window) {
+            points.push(cubic[3]);
+        } else if size(&cubic) > LARGE {
+            let (first, second) = halves(&cubic);
+            stack.extend([second, first]);
+        } else {
+            let [from, ctrl1, ctrl2, to] = cubic.map(|[x, y]| point(x, y));
+            let curve = CubicBezierSegment { from, ctrl1, ctrl2, to };
+            curve.for_each_flattened(how.tolerance, &mut |edge: &LineSegment<f64>| points.push([edge.to.x, edge.to.y]));
+            // The end is a vertex of the document: exactly it, whatever the flattening computed.
+            if let Some(last) = points.last_mut() {
+                *last = cubic[3];
+            }
+        }
+    }
+}
+
+/// Whether all points lie on one side of the window.
+pub(super) fn beside(points: &[Point], &[left, top, right, bottom]: &Window) -> bool {
+    let all = |test: &dyn Fn(&Point) -> bool| points.iter().all(test);
+    all(&|p| p[0] < left) || all(&|p| p[0] > right) || all(&|p| p[1] < top) || all(&|p| p[1] > bottom)
+}
+
+/// The larger side of the box around the points; halves are taken first so that it cannot overflow.
+fn size(points: &[Point]) -> f64 {
+    let span = |axis: usize| {
+        let values = points.iter().map(|p| p[axis] * 0.5);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    2.0 * span(0).max(span(1)).min(f64::MAX / 4.0)
+}
+
+/// Both halves of a cubic (de Casteljau).
+pub(super) fn halves<const N: usize>(&[p, q, r, s]: &[[f64; N]; 4]) -> ([[f64; N]; 4], [[f64; N]; 4]) {
+    let middle = |a: [f64; N], b: [f64; N]| std::array::from_fn(|i| a[i] * 0.5 + b[i] * 0.5);
+    let (pq, qr, rs) = (middle(p, q), middle(q, r), middle(r, s));
+    let (pqr, qrs) = (middle(pq, qr), middle(qr, rs));
+    let pqrs = middle(pqr, qrs);
+    ([p, pq, pqr, pqrs], [pqrs, qrs, rs, s])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn circle(r: f64) -> Path {
+        let k = 0.552_284_749_8 * r;
+        let mut path = Path::default();
+        path.move_to([r, 0.0]);
+        path.cubic_to([r, k], [k, r], [0.0, r]);
+        path.cubic_to([-k, r], [-r, k], [-r, 0.0]);
+        path.cubic_to([-r, -k], [-k, -r], [0.0, -r]);
+        path.cubic_to([k, -r], [r, -k], [r, 0.0]);
+        path.close();
+        path
+    }
+
+    fn points(path: &Path, transform: &Transform, how: Flattening) -> Vec<Vec<Point>> {
+        let mut all = Vec::new();
+        let done: Result<(), ()> = rings(path, transform, &how, |ring| {
+            all.push(ring.to_vec());
+            Ok(())
+        });
+        done.unwrap();
+        all
+    }
+
+    /// Distance from points of the true cubic to the polyline.
+    fn worst(cubic: [Point; 4], polyline: &[Point]) -> f64 {
+        let at = |t: f64| -> Point {
+            let u = 1.0 - t;
+            [0, 1]
+                .map(|i| u * u * u * cubic[0][i] + 3.0 * u * u * t * cubic[1][i] + 3.0 * u * t * t * cubic[2][i] + t * t * t * cubic[3][i])
+        };
+        (0..=2000)
+            .map(|k| at(f64::from(k) / 2000.0))
+            .map(|p| polyline.windows(2).map(|w| distance(p, w[0], w[1])).fold(f64::MAX, f64::min))
+            .fold(0.0, f64::max)
+    }
+
+    fn distance(p: Point, a: Point, b: Point) -> f64 {
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let t = (((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(1e-300)).clamp(0.0, 1.0);
+        (p[0] - a[0] - t * dx).hypot(p[1] - a[1] - t * dy)
+    }
+
+    #[test]
+    fn curves_stay_within_the_tolerance_in_pixels() {
+        let everywhere = [-1e9, -1e9, 1e9, 1e9];
+        let mut seed = 5u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 40) as f64 / 1e4 - 800.0
+        };
+        for tolerance in [0.001, 0.1, 16.0] {
+            for _ in 0..60 {
+                let cubic: [Point; 4] = std::array::from_fn(|_| [random(), random()]);
+                let mut polyline = vec![cubic[0]];
+                flatten(cubic, &Flattening { tolerance, window: everywhere }, &mut polyline);
+                let far = worst(cubic, &polyline);
+                assert!(far <= tolerance * 1.001, "{far} > {tolerance}: {cubic:?}");
+                assert_eq!(polyline.last(), Some(&cubic[3]));
+            }
+        }
+    }
+
+    #[test]
+    fn the_tolerance_follows_the_transform() {
+        let window = [-1e6, -1e6, 1e6, 1e6];
+        let how = Flattening { tolerance: 0.1, window };
+        let small = points(&circle(10.0), &Transform::IDENTITY, how)[0].len();
+        let large = points(&circle(10.0), &Transform::Affine([100.0, 0.0, 0.0, 100.0, 0.0, 0.0]), how)[0].len();
+        assert!(large > 5 * small, "{small} {large}");
+    }
+
+    #[test]
+    fn huge_curves_cost_what_is_seen_of_them() {
+        for r in [1e6, 1e12, 1e100, 1e300] {
+            let how = Flattening { tolerance: 0.1, window: [0.0, 0.0, 1000.0, 1000.0] };
+            let all = points(&circle(r), &Transform::Affine([1.0, 0.0, 0.0, 1.0, -r + 500.0, 500.0]), how);
+            assert!(all[0].len() < 20_000, "{r}: {}", all[0].len());
+            assert!(all[0].iter().flatten().all(|v| v.is_finite()));
+        }
+    }
+
+    #[test]
+    fn a_closed_subpath_goes_on_where_it_began() {
+        let mut path = Path::default();
+        path.ring(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        path.line_to([5.0, 5.0]);
+        path.quad_to([6.0, 5.0], [6.0, 6.0]);
+        path.close();
+        let all = points(&path, &Transform::IDENTITY, Flattening { tolerance: 0.1, window: [0.0, 0.0, 9.0, 9.0] });
+        assert_eq!(all[0], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        assert_eq!((all[1][0], all[1][1], all[1].last()), ([0.0, 0.0], [5.0, 5.0], Some(&[6.0, 6.0])));
+    }
+}
