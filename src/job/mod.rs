@@ -26,7 +26,7 @@ use std::time::Instant;
 
 use crate::edge::Builder;
 use crate::error::{Error, Result, Warning};
-use crate::region::Picture;
+use crate::region::{Picture, Rows};
 use crate::run::{BLACK, Header, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
 
@@ -159,6 +159,11 @@ impl Job {
     /// The raster's header.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// The lines as runs, pulled from top to bottom. Lines that follow each other may be equal.
+    pub fn rows(&self) -> Rows {
+        Rows::new(self.picture.clone(), self.header.lines.clone())
     }
 
     /// The bands: they cut the page at the same lines whatever part of it is drawn, by however many threads.

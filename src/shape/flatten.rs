@@ -179,14 +179,8 @@ mod tests {
     use super::*;
 
     fn circle(r: f64) -> Path {
-        let k = 0.552_284_749_8 * r;
         let mut path = Path::default();
-        path.move_to([r, 0.0]);
-        path.cubic_to([r, k], [k, r], [0.0, r]);
-        path.cubic_to([-k, r], [-r, k], [-r, 0.0]);
-        path.cubic_to([-r, -k], [-k, -r], [0.0, -r]);
-        path.cubic_to([k, -r], [r, -k], [r, 0.0]);
-        path.close();
+        path.circle([0.0, 0.0], r);
         path
     }
 
