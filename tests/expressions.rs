@@ -278,7 +278,7 @@ fn errors_are_one_line_with_their_place() {
         ("atleast()", "1:9: expected a whole number of at least 1, found ')': write atleast(2, a, b, c)"),
         ("atleast(2)", "1:10: expected a comma and shapes after the number, found ')'"),
         ("atleast(2,)", "1:11: expected a shape, found ')': name at least one shape in the parentheses"),
-        ("a | lago", "1:5: unknown name \"lago\": did you mean a, logo or \"logo-2\"?"),
+        ("a | lago", "1:5: unknown name \"lago\": did you mean logo, page or a?"),
         ("\"a\\\"\" & b", "1:1: unknown name \"a\\\"\": did you mean a, b or c?"),
         ("\"page\"", "1:1: unknown name \"page\": did you mean page, a or b?"),
         ("Übung", "1:1: expected a shape, found 'Ü': an id with such characters is written in double quotes"),
