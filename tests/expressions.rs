@@ -280,7 +280,7 @@ fn errors_are_one_line_with_their_place() {
         ("atleast(2,)", "1:11: expected a shape, found ')': name at least one shape in the parentheses"),
         ("a | lago", "1:5: unknown name \"lago\": did you mean logo, page or a?"),
         ("\"a\\\"\" & b", "1:1: unknown name \"a\\\"\": did you mean a, b or c?"),
-        ("\"page\"", "1:1: unknown name \"page\": did you mean page, a or b?"),
+        ("\"page\"", "1:1: unknown name \"page\": did you mean page, a or logo?"),
         ("Übung", "1:1: expected a shape, found 'Ü': an id with such characters is written in double quotes"),
     ];
     let mut scene = scene(&["a", "b", "c", "logo", "logo-2"]);
