@@ -74,7 +74,7 @@ mod tests {
     fn best_first_then_in_order() {
         assert_eq!(nearest("logo", ["frame", "Logo 2", "logos", "logo1", "lugo"].into_iter()), ["logos", "logo1", "lugo"]);
         assert_eq!(nearest("pag", ["x", "page"].into_iter()), ["\"page\"", "page", "x"]);
-        assert_eq!(nearest("x", [].into_iter()), ["page", "art"]);
+        assert_eq!(nearest("x", [].into_iter()), ["art", "page"]);
     }
 
     #[test]
