@@ -7,15 +7,18 @@ mod compile;
 mod expression;
 mod formula;
 mod limits;
+mod nearest;
+mod resolve;
+mod token;
 
 pub use compile::compile;
-pub use expression::{Expression, nearest};
+pub use expression::Expression;
 pub use formula::{Area, Formula, Gate, Input};
 pub use limits::Limits;
 
 use std::collections::HashMap;
 
-use crate::error::{Error, Kind, Result, Warning};
+use crate::error::{Result, Warning};
 use crate::run::Rgb;
 use crate::shape::Shape;
 
@@ -118,22 +121,17 @@ impl Scene {
         &self.names
     }
 
-    /// The area that an expression describes; new nodes are added to the formula.
+    /// Whether the area of that id paints nothing: no shape, or only shapes without an outline.
+    pub fn is_empty(&self, id: &str) -> bool {
+        let shapes = self.named(id).map_or(0..0, |n| n.shapes.start as usize..n.shapes.end as usize);
+        self.shapes[shapes].iter().all(|s| s.path.verbs().is_empty())
+    }
+
+    /// The area that an expression describes; new gates are added to the formula.
     ///
     /// # Errors
     /// An unknown name, with its place and the nearest known names. `warnings` receives what else is worth saying.
     pub fn resolve(&mut self, expression: &Expression, warnings: &mut Vec<Warning>) -> Result<Area> {
-        expression::resolve(self, expression, warnings)
-    }
-
-    /// An error for a name that does not exist, with the nearest that do.
-    fn unknown(&self, id: &str) -> Error {
-        let known = self.names.iter().map(|n| n.id.as_str()).chain(BUILT_IN);
-        let near = nearest(id, known);
-        let hint = match near.as_slice() {
-            [] => "the drawing has no ids; `runset info` lists what it has".to_owned(),
-            near => format!("did you mean {}?", near.join(" or ")),
-        };
-        Error::expression(Kind::Refused, format!("unknown name \"{id}\": {hint}"))
+        resolve::resolve(self, expression, warnings)
     }
 }
