@@ -9,7 +9,7 @@ use std::ops::Range;
 use oracle::random::Rng;
 use oracle::{Expr, Function, Operator, Oracle, Scene};
 use runset::encode::{self, Format};
-use runset::input;
+
 use runset::job::{Job, More, Options, Stats};
 use runset::scene::Limits;
 
@@ -20,7 +20,27 @@ fn effort(n: u64) -> u64 {
 
 fn job(scene: &Scene, options: &Options) -> Job {
     let mut warnings = Vec::new();
-    let document = input::read(scene.json().into_bytes(), &Limits::default(), &mut warnings).expect("the scene is read");
+    let mut document = runset::scene::Scene::new(f64::from(scene.width), f64::from(scene.height));
+    let mut areas = Vec::new();
+    for (i, shape) in scene.shapes.iter().enumerate() {
+        let mut path = runset::shape::Path::default();
+        for ring in &shape.rings {
+            if ring.len() > 2 {
+                path.ring(&ring.iter().map(|p| [p.0, p.1]).collect::<Vec<_>>());
+            }
+        }
+        let mut s = runset::shape::Shape::new(oracle::name(i), path);
+        if shape.rule == oracle::Rule::EvenOdd {
+            s.rule = runset::shape::FillRule::EvenOdd;
+        }
+        let area = document.add_shape(s);
+        areas.push(area);
+        document.add_name(runset::scene::Named { id: oracle::name(i), kind: "shape", area, shapes: 0..1, depth: 0 });
+    }
+    document.art = document.formula.any(&areas);
+    let expr = runset::scene::Expression::parse(&scene.expr.to_string(), &Limits::default()).unwrap();
+    let area = document.resolve(&expr, &mut warnings).unwrap();
+    document.picture = runset::scene::Picture::Region(area);
     Job::prepare(document, options, &mut warnings).expect("the scene is prepared")
 }
 
@@ -113,12 +133,13 @@ fn complement_and_de_morgan() {
     let not = |a: Expr| Expr::Not(Box::new(a));
     for seed in 2000..2000 + effort(40) {
         let mut scene = oracle::random::scene(seed);
+        let shapes = scene.shapes.len() as u64;
         let mut picture = |expr: Expr| {
             scene.expr = expr;
             rows(&job(&scene, &Options::default()))
         };
         let mut rng = Rng::new(seed);
-        let (a, b) = (oracle::random::expr(&mut rng, 3, 3), oracle::random::expr(&mut rng, 3, 3));
+        let (a, b) = (oracle::random::expr(&mut rng, shapes, 3), oracle::random::expr(&mut rng, shapes, 3));
         let binary = |operator, a: &Expr, b: &Expr| Expr::Binary(operator, Box::new(a.clone()), Box::new(b.clone()));
         let either = picture(not(binary(Operator::Or, &a, &b)));
         assert_eq!(either, picture(binary(Operator::And, &not(a.clone()), &not(b.clone()))));

@@ -121,7 +121,7 @@ impl Job {
         }
         let layers = match &options.expr {
             Some(text) => {
-                let expression = Expression::parse(text)?;
+                let expression = Expression::parse(text, &options.limits)?;
                 vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
             }
             None => match &scene.picture {
