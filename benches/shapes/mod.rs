@@ -104,12 +104,16 @@ impl Shapes {
     }
 }
 
+/// A vertex in pixels at scale 1.
+pub fn pixels(vertex: [i32; 2]) -> [f64; 2] {
+    vertex.map(|v| f64::from(v) * f64::from(SIDE) / f64::from(GRID))
+}
+
 /// Path data in pixels. A multiple of 1/512 below 4096 has at most 13 decimal digits and is written exactly.
 fn write_path(rings: &[Ring], out: &mut impl Write) -> io::Result<()> {
-    let pixels = |v: i32| f64::from(v) * f64::from(SIDE) / f64::from(GRID);
     for ring in rings {
-        for (i, &[x, y]) in ring.iter().enumerate() {
-            write!(out, "{}{} {}", if i == 0 { 'M' } else { 'L' }, pixels(x), pixels(y))?;
+        for (i, [x, y]) in ring.iter().map(|&vertex| pixels(vertex)).enumerate() {
+            write!(out, "{}{x} {y}", if i == 0 { 'M' } else { 'L' })?;
         }
         write!(out, "Z")?;
     }
