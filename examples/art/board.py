@@ -11,7 +11,7 @@ is the copper without the plating bar that joins the contacts beyond the board's
 Units are millimetres. Standard library only; the same bytes come out every time.
 """
 
-from svg import Drawing
+from svg import Drawing, Path
 
 WIDTH, HEIGHT = 50, 80
 BOARD, POUR, TRACK, GOLD, BASE, HOLE, SILK = "#12483c", "#1a5c4b", "#3f9a74", "#e9b44c", "#c9a36b", "#0c1f1b", "#f6efdc"
@@ -25,7 +25,7 @@ CONTACTS_TOP, EDGE = 69, 78
 LETTERS = {  # rows of runs, in cells, five to a letter's width
     "R": [[(0, 4)], [(0, 1), (4, 5)], [(0, 1), (4, 5)], [(0, 4)], [(0, 1), (2, 3)], [(0, 1), (3, 4)], [(0, 1), (4, 5)]],
     "U": [[(0, 1), (4, 5)]] * 6 + [[(1, 4)]],
-    "N": [[(0, 1), (4, 5)], [(0, 2), (4, 5)], [(0, 1), (2, 3), (4, 5)], [(0, 1), (3, 5)], [(0, 1), (4, 5)], [(0, 1), (4, 5)], [(0, 1), (4, 5)]],
+    "N": [[(0, 1), (4, 5)], [(0, 2), (4, 5)], [(0, 1), (2, 3), (4, 5)], [(0, 1), (3, 5)]] + [[(0, 1), (4, 5)]] * 3,
     "S": [[(1, 5)], [(0, 1)], [(0, 1)], [(1, 4)], [(4, 5)], [(4, 5)], [(0, 4)]],
     "E": [[(0, 5)], [(0, 1)], [(0, 1)], [(0, 4)], [(0, 1)], [(0, 1)], [(0, 5)]],
     "T": [[(0, 5)]] + [[(2, 3)]] * 6,
@@ -173,10 +173,12 @@ def frame(d, left, top, right, bottom, t):
 
 
 def text(d, string, left, top, cell):
+    path = Path()
     for i, name in enumerate(string):
         for row, runs in enumerate(LETTERS[name]):
             for a, b in runs:
-                d.rect(left + (6 * i + a) * cell, top + row * cell, left + (6 * i + b) * cell, top + (row + 1) * cell)
+                path.box(left + (6 * i + a) * cell, top + row * cell, left + (6 * i + b) * cell, top + (row + 1) * cell)
+    d.path(path)
 
 
 def board():

@@ -3,10 +3,10 @@
 
     python3 examples/art/poster.py > examples/art/poster.svg
 
-There are filled paths and basic shapes only, one ink each. `frame` is the picture that a single plate would print: the arch, and
-tones made of nothing but lines, thicker where it is darker: straight ones in the dusk, runs across the sun, spears that fall from the peaks,
-waves in the sea. The flat colours lie beneath it (`sky`, `halo`, `sun`, `hills`, `sea`) and go on where others cover them, so that they
-can be combined: try `sun ^ waves`.
+There are filled paths and basic shapes only, one ink each. `frame` is the picture that a single plate would print: the arch, and in
+it tones made of nothing but lines, thicker where it is darker: straight ones in the dusk, runs across the sun, spears that fall
+from the peaks, waves in the sea. The flat colours lie beneath it (`sky`, `halo`, `sun`, `hills`, `sea`) and go on where others cover
+them, so that they can be combined: try `sun ^ waves`.
 
 Units are millimetres on an A0 sheet. Standard library only; the same bytes come out every time.
 """
@@ -26,7 +26,8 @@ MIDDLE = WIDTH / 2
 SPRING = TOP + (RIGHT - LEFT) / 2  # where the curve begins
 
 # The view through it.
-INNER_LEFT, INNER_RIGHT, INNER_TOP, INNER_BOTTOM = LEFT + BORDER + GAP, RIGHT - BORDER - GAP, TOP + BORDER + GAP, BOTTOM - BORDER - GAP
+INNER_LEFT, INNER_RIGHT = LEFT + BORDER + GAP, RIGHT - BORDER - GAP
+INNER_TOP, INNER_BOTTOM = TOP + BORDER + GAP, BOTTOM - BORDER - GAP
 INNER_RADIUS = SPRING - INNER_TOP
 HORIZON = 628
 SUN_Y, SUN_R = 552, 148
@@ -34,9 +35,9 @@ SUN_Y, SUN_R = 552, 148
 # Peaks from far to near: x, y, feet on the left and right, and whether the sun stands on their right.
 PEAKS = [
     (222, 402, 78, 384, True),
-    (146, 488, 40, 262, True),
+    (146, 484, 40, 262, True),
     (312, 556, 236, 404, True),
-    (652, 486, 524, 790, False),
+    (652, 484, 524, 790, False),
     (560, 560, 486, 642, False),
 ]
 
@@ -47,8 +48,8 @@ CLOUDS = [  # row, left, right, ink
     (41, 486, 600, CREAM), (42, 524, 566, CREAM), (42, 580, 622, CREAM),
 ]
 STARS = [
-    (MIDDLE, 128, 12), (340, 156, 8), (506, 150, 8.5), (268, 200, 10.5), (586, 192, 11), (388, 196, 7), (464, 222, 8), (200, 268, 8.5), (648, 258, 9.5), (318, 250, 7),
-    (544, 262, 7),
+    (MIDDLE, 128, 12), (340, 156, 8), (506, 150, 8.5), (268, 200, 10.5), (586, 192, 11), (388, 196, 7), (464, 222, 8), (200, 268, 8.5),
+    (648, 258, 9.5), (318, 250, 7), (544, 262, 7),
 ]
 EMBLEM = [  # an R, written as the runs of six scanlines
     [(0, 5)],
@@ -81,10 +82,13 @@ def sides(y):
 
 # Hills
 
-def mountain(peak):
-    """A peak's outline, clockwise."""
+def mountain(peak, margin):
+    """A peak's outline, clockwise, its slopes moved out by the margin."""
     x, y, left, right, _ = peak
-    return [(x, y), (right, HORIZON), (left, HORIZON)]
+    tall = HORIZON - y
+    a, b = left - margin * hypot(x - left, tall) / tall, right + margin * hypot(right - x, tall) / tall
+    grown = (b - a) / (right - left)
+    return [(a + (x - left) * grown, HORIZON - tall * grown), (b, HORIZON), (a, HORIZON)]
 
 
 def in_view(polygon):
@@ -92,10 +96,10 @@ def in_view(polygon):
 
 
 def in_front(polygon, peaks):
-    """What the peaks leave of a convex polygon, as convex pieces."""
+    """What the peaks and a keyline around them leave of a convex polygon, as convex pieces."""
     pieces = [in_view(polygon)]
     for peak in peaks:
-        pieces = [rest for piece in pieces if piece for rest in minus(piece, mountain(peak))]
+        pieces = [rest for piece in pieces if piece for rest in minus(piece, mountain(peak, 0.8))]
     return [piece for piece in pieces if piece]
 
 
