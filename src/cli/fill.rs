@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
-use runset::error::{Origin, Warning};
+use runset::error::{Error, Kind, Origin, Warning};
 use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
-use runset::job::{Job, Options, Size};
+use runset::job::{Job, Options, Size, TOLERANCE};
 use runset::scene::Limits;
 
 use super::input::{Limit, Source};
@@ -58,12 +58,12 @@ pub struct Fill {
     #[command(flatten)]
     size: SizeOptions,
 
-    /// Only these scanlines, from Y0 up to and without Y1, of the whole page's
+    /// Only scanlines Y0 to Y1 - 1, counted from 0: what the whole picture holds there
     #[arg(long, value_name = "Y0..Y1", value_parser = values::lines)]
     lines: Option<Range<u32>>,
 
     /// Farthest that a flattened curve may be from the true one, in pixels, 0.001 to 16
-    #[arg(long, value_name = "PX", default_value = "0.1", value_parser = values::tolerance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PX", default_value_t = TOLERANCE, value_parser = values::tolerance, allow_negative_numbers = true)]
     tolerance: f64,
 
     /// Font file for text, besides the built-in font; may be given several times
@@ -94,7 +94,6 @@ pub struct Fill {
 }
 
 #[derive(clap::Args)]
-#[group(multiple = true)]
 struct SizeOptions {
     /// Size in dots an inch; a user unit is 1/96 inch
     #[arg(long, value_name = "D", value_parser = values::positive, allow_negative_numbers = true)]
@@ -123,6 +122,16 @@ impl SizeOptions {
             SizeOptions { width, height, .. } => Size::Pixels { width, height },
         }
     }
+
+    /// A page that is too large without any option is the input's fault.
+    fn blame(&self, error: Error) -> Error {
+        let asked = self.dpi.is_some() || self.scale.is_some() || self.width.is_some() || self.height.is_some();
+        if error.kind == Kind::Limit && error.origin == Origin::Parameter && !asked {
+            Error { origin: Origin::Input, ..error }
+        } else {
+            error
+        }
+    }
 }
 
 /// Runs the subcommand. `started` is when the process began.
@@ -142,11 +151,12 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
         lines: args.lines.clone(),
         tolerance: args.tolerance,
         limits: Limits { input: args.limit.max_input, ..Limits::default() },
+        started,
     };
     let bytes = source.read(options.limits.input)?;
     let mut warnings = args.unused();
     let scene = runset::input::read(bytes, &options.limits, &mut warnings).map_err(|error| ends.failure(&error))?;
-    let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
     ends.warn(&warnings, args.strict)?;
 
     let threads = args.threads.map_or_else(|| available_parallelism().map_or(1, NonZeroUsize::get), usize::from);

@@ -45,7 +45,7 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let bytes = source.read(limits.input)?;
     let mut warnings = Vec::new();
     let scene = runset::input::read(bytes, &limits, &mut warnings).map_err(|error| ends.failure(&error))?;
-    let info = info(&scene, &limits).map_err(|error| ends.failure(&error))?;
+    let info = info(&scene);
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
 }

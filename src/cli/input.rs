@@ -70,6 +70,8 @@ impl Source {
         let mut bytes = Vec::new();
         if !self.metadata.is_file() || self.metadata.len() <= limit {
             let mut reader = self.open()?.take(limit.saturating_add(1));
+            let known = usize::try_from(self.metadata.len()).unwrap_or(usize::MAX);
+            bytes.try_reserve_exact(known).map_err(|_| self.unreadable(&io::ErrorKind::OutOfMemory.into()))?;
             reader.read_to_end(&mut bytes).map_err(|error| self.unreadable(&error))?;
             if bytes.len() as u64 <= limit {
                 return Ok(bytes);

@@ -14,16 +14,16 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use runset::error::{Error, Kind, Origin, Place, Warning};
 
-/// Why a run ends before it is done.
+/// Why a run ends early.
 pub enum Failure {
     /// The arguments are wrong: status 2.
     Usage(String),
     /// The work failed: status 1.
     Failed(String),
-    /// The reader of the output has had enough: a normal end.
-    Closed,
     /// The help that a bare `runset` prints: status 2.
     Help(String),
+    /// Nothing is wrong: help was asked for, or the reader of the output has had enough.
+    Ended,
 }
 
 /// The names that messages use for the two ends of a run.
@@ -43,13 +43,13 @@ impl Failure {
 
     /// A failed operation of the system on `name`.
     pub fn io(name: impl Display, error: &io::Error) -> Failure {
-        if error.kind() == io::ErrorKind::BrokenPipe { Failure::Closed } else { Failure::at(name, reason(error)) }
+        if error.kind() == io::ErrorKind::BrokenPipe { Failure::Ended } else { Failure::at(name, reason(error)) }
     }
 
     /// Prints the message and gives the exit status.
     pub fn report(self) -> ExitCode {
         let (status, line) = match self {
-            Failure::Closed => return ExitCode::SUCCESS,
+            Failure::Ended => return ExitCode::SUCCESS,
             Failure::Failed(line) => (1, line),
             Failure::Usage(what) => (2, format!("runset: {what} (see {})", help_command())),
             Failure::Help(text) => {
@@ -67,7 +67,7 @@ impl Ends<'_> {
     /// The failure that an error of the library is.
     pub fn failure(&self, error: &Error) -> Failure {
         match (error.kind, error.origin) {
-            (Kind::Closed, _) => Failure::Closed,
+            (Kind::Closed, _) => Failure::Ended,
             (_, Origin::Parameter) => Failure::Usage(error.what.clone()),
             (_, origin) => Failure::Failed(self.line(origin, error.place, "", &without_number(&error.what))),
         }
@@ -107,7 +107,7 @@ impl Ends<'_> {
 pub fn usage(error: &clap::Error) -> Failure {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => match error.print() {
-            Ok(()) => Failure::Closed,
+            Ok(()) => Failure::Ended,
             Err(error) => Failure::io("<stdout>", &error),
         },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Failure::Help(error.render().to_string()),
@@ -163,7 +163,7 @@ pub fn tell(line: &str) {
 /// Writes text to standard output.
 ///
 /// # Errors
-/// What the system says; [`Failure::Closed`] if the reader went away.
+/// What the system says; [`Failure::Ended`] if the reader went away.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Failure::io("<stdout>", &error))

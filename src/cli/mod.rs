@@ -1,8 +1,8 @@
 //! The command line: arguments in, one subcommand run, an exit status out.
 //!
-//! Every subcommand is a file with its arguments and a `run`. What goes wrong comes back as a [`Failure`], which
+//! Every subcommand is a file with its arguments and a `run`. What goes wrong comes back as a [`messages::Failure`], which
 //! becomes one line on standard error and the exit status: 0 done, 1 failed (input, expression, reading, writing), 2 wrong
-//! usage (what the arguments alone, or their values, rule out).
+//! usage (arguments that are wrong in themselves, or out of bounds for this input). An expression is input, wherever it stands.
 
 mod convert;
 mod fill;

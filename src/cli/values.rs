@@ -1,13 +1,11 @@
 //! Values of options: text to numbers within bounds, with messages that say what is allowed.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use runset::encode::{FORMATS, Format, by_name};
 use runset::grid::MAX_HEIGHT;
-
-/// Flattening tolerances that make sense, in pixels.
-const TOLERANCE: RangeInclusive<f64> = 0.001..=16.0;
+use runset::job::TOLERANCES;
 
 /// The name of a format.
 pub fn format() -> impl TypedValueParser<Value = &'static Format> {
@@ -20,10 +18,10 @@ pub fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "give a number above 0, such as 2 or 0.5".to_owned())
 }
 
-/// A flattening tolerance in pixels.
+/// A flattening tolerance in pixels, one of [`TOLERANCES`].
 pub fn tolerance(text: &str) -> Result<f64, String> {
-    let allowed = || format!("give a number of pixels from {} to {}", TOLERANCE.start(), TOLERANCE.end());
-    text.parse().ok().filter(|x| TOLERANCE.contains(x)).ok_or_else(allowed)
+    let allowed = || format!("give a number of pixels from {} to {}", TOLERANCES.start(), TOLERANCES.end());
+    text.parse().ok().filter(|x| TOLERANCES.contains(x)).ok_or_else(allowed)
 }
 
 /// Scanlines `Y0..Y1`, half-open and not empty.
