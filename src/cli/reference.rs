@@ -77,23 +77,39 @@ pub fn man(args: &Man, program: clap::Command) -> Result<(), Failure> {
     };
     let examples = command.get_after_long_help().map(ToString::to_string).unwrap_or_default();
     let mut page = Vec::new();
-    let man = clap_mangen::Man::new(command.after_long_help(None::<&str>)).source(concat!("runset ", env!("CARGO_PKG_VERSION")));
+    let version = concat!("runset ", env!("CARGO_PKG_VERSION"));
+    // An empty date would be left out, and the version taken for it.
+    let man = clap_mangen::Man::new(command.after_long_help(None::<&str>)).date(" ").source(version);
     man.render(&mut page).map_err(|error| Failure::io("<stdout>", &error))?;
     print(&(String::from_utf8_lossy(&page).into_owned() + &sections(&examples)))
 }
 
-/// The text behind the help, as sections of a manual page: a line that ends in a colon is a heading, the rest is shown as it is.
+/// The text behind the help as sections of a manual page: a line that ends in a colon is a heading, the rest is shown as it is.
 fn sections(text: &str) -> String {
     let mut roff = String::new();
     for line in text.lines() {
         if let Some(heading) = line.strip_suffix(':').filter(|heading| !heading.starts_with(' ')) {
-            let heading = heading.split(',').next().unwrap_or(heading);
-            roff += &format!(".fi\n.SH {}\n.nf\n", heading.to_uppercase());
+            let heading = heading.split(',').next().unwrap_or(heading).to_uppercase();
+            roff += if roff.is_empty() { "" } else { ".fi\n" };
+            roff += &format!(".SH {heading}\n.nf\n");
         } else {
             let line = line.strip_prefix("  ").unwrap_or(line).replace('\\', "\\e").replace('-', "\\-");
             // Behind \& nothing is taken for a request.
             roff += &format!("\\&{line}\n");
         }
     }
-    if roff.is_empty() { roff } else { roff + ".fi\n" }
+    roff + if text.is_empty() { "" } else { ".fi\n" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_behind_the_help_is_shown_as_it_is() {
+        let text = "Examples:\n  a -b 'c\\d'\n\nWords, in order:\n  .x\n";
+        let roff = ".SH EXAMPLES\n.nf\n\\&a \\-b 'c\\ed'\n\\&\n.fi\n.SH WORDS\n.nf\n\\&.x\n.fi\n";
+        assert_eq!(sections(text), roff);
+        assert_eq!(sections(""), "");
+    }
 }
