@@ -1,0 +1,182 @@
+//! `runset fill`: a drawing, or an expression over its shapes, to a raster.
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::thread::available_parallelism;
+use std::time::Instant;
+
+use runset::error::{Error, Kind, Origin, Warning};
+use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
+use runset::job::{Job, Options, Size, TOLERANCE};
+use runset::scene::Limits;
+
+use super::input::{Limit, Source};
+use super::messages::{Ends, Failure, tell};
+use super::output::{Output, Target};
+use super::progress::{Progress, Watch};
+use super::values;
+
+const EXAMPLES: &str = "\
+Expressions, operators from the tightest to the loosest:
+  !a             outside a
+  a - b          in a, not in b
+  a & b          in both
+  a ^ b          in one of the two
+  a | b          in either
+  all(a, b, ...)  any(a, b, ...)  odd(a, b, ...)  atleast(2, a, b, ...)
+  page           the whole page
+  art            everything that is painted
+  \"layer-1\"      an id that is not a plain word, in double quotes
+
+Examples:
+  runset fill poster.svg --expr 'art & frame - logo' --dpi 600 -o mask.png
+      what is painted inside the frame, without the logo, at 600 dots an inch
+  runset fill board.json --scale 4 --lines 0..4096 -o top.pbm
+      the first 4096 scanlines of a scene, four times as large
+  xz -dc map.svg.xz | runset fill - --width 20000 | runset convert - -o map.png
+      from standard input, 20000 pixels wide, through a line stream";
+
+/// Fill a drawing, or an expression over its shapes, and write the raster
+///
+/// Reads an SVG drawing (plain or gzipped) or a JSON scene. Every pixel whose centre lies in a shape belongs to it; an expression is
+/// evaluated pixel by pixel. Without --expr an SVG's art is filled, a scene's own expression or layers.
+#[derive(clap::Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Fill {
+    /// Drawing or scene to read; - is standard input
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
+    input: PathBuf,
+
+    /// Area to fill, over the ids of the input, instead of the input's own picture
+    #[arg(long, value_name = "E")]
+    expr: Option<String>,
+
+    #[command(flatten)]
+    output: Target,
+
+    #[command(flatten)]
+    size: SizeOptions,
+
+    /// Only scanlines Y0 to Y1 - 1, counted from 0: what the whole picture holds there
+    #[arg(long, value_name = "Y0..Y1", value_parser = values::lines)]
+    lines: Option<Range<u32>>,
+
+    /// Farthest that a flattened curve may be from the true one, in pixels, 0.001 to 16
+    #[arg(long, value_name = "PX", default_value_t = TOLERANCE, value_parser = values::tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+
+    /// Font file for text, besides the built-in font; may be given several times
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    font: Vec<PathBuf>,
+
+    /// Use the system's fonts too; off by default, so that the same input gives the same picture everywhere
+    #[arg(long)]
+    system_fonts: bool,
+
+    /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
+    threads: Option<u16>,
+
+    #[command(flatten)]
+    limit: Limit,
+
+    /// Treat warnings as errors: status 1, and nothing is written
+    #[arg(long)]
+    strict: bool,
+
+    /// Print what the run cost as one JSON object, the last line on standard error (times in seconds)
+    #[arg(long)]
+    stats: bool,
+
+    #[command(flatten)]
+    watch: Watch,
+}
+
+#[derive(clap::Args)]
+struct SizeOptions {
+    /// Size in dots an inch; a user unit is 1/96 inch
+    #[arg(long, value_name = "D", value_parser = values::positive, allow_negative_numbers = true)]
+    dpi: Option<f64>,
+
+    /// Size in pixels to a user unit [default: 1]
+    #[arg(long, value_name = "S", value_parser = values::positive, allow_negative_numbers = true, conflicts_with = "dpi")]
+    scale: Option<f64>,
+
+    /// Width of the page in pixels; alone it keeps the aspect, with --height the drawing is fitted inside and centred
+    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WIDTH)),
+        allow_negative_numbers = true, conflicts_with_all = ["dpi", "scale"])]
+    width: Option<u32>,
+
+    /// Height of the page in pixels; alone it keeps the aspect
+    #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_HEIGHT)),
+        allow_negative_numbers = true, conflicts_with_all = ["dpi", "scale"])]
+    height: Option<u32>,
+}
+
+impl SizeOptions {
+    fn size(&self) -> Size {
+        match *self {
+            SizeOptions { dpi: Some(dpi), .. } => Size::Dpi(dpi),
+            SizeOptions { width: None, height: None, scale, .. } => Size::Scale(scale.unwrap_or(1.0)),
+            SizeOptions { width, height, .. } => Size::Pixels { width, height },
+        }
+    }
+
+    /// A page that is too large without any option is the input's fault.
+    fn blame(&self, error: Error) -> Error {
+        let asked = self.dpi.is_some() || self.scale.is_some() || self.width.is_some() || self.height.is_some();
+        if error.kind == Kind::Limit && error.origin == Origin::Parameter && !asked {
+            Error { origin: Origin::Input, ..error }
+        } else {
+            error
+        }
+    }
+}
+
+/// Runs the subcommand. `started` is when the process began.
+///
+/// # Errors
+/// Whatever keeps the raster from being complete.
+pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
+    let format = args.output.format()?;
+    let source = Source::find(&args.input)?;
+    let mut output = Output::create(&args.output, &source, format)?;
+    let (input_name, output_name) = (source.name(), output.name().to_owned());
+    let ends = Ends { input: &input_name, output: &output_name };
+
+    let options = Options {
+        expr: args.expr.clone(),
+        size: args.size.size(),
+        lines: args.lines.clone(),
+        tolerance: args.tolerance,
+        limits: Limits { input: args.limit.max_input, ..Limits::default() },
+        started,
+    };
+    let bytes = source.read(options.limits.input)?;
+    let mut warnings = args.unused();
+    let scene = runset::input::read(bytes, &options.limits, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
+    ends.warn(&warnings, args.strict)?;
+
+    let threads = args.threads.map_or_else(|| available_parallelism().map_or(1, NonZeroUsize::get), usize::from);
+    let mut progress = Progress::new(&args.watch, Some(job.header().height()), output.is_terminal());
+    let stats = job.render(format, threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+    drop(progress);
+    output.finish()?;
+    if args.stats {
+        tell(&serde_json::to_string(&stats).expect("numbers under fixed names are JSON"));
+    }
+    Ok(())
+}
+
+impl Fill {
+    /// Warnings of options that have no effect yet.
+    fn unused(&self) -> Vec<Warning> {
+        let options = [("--font", !self.font.is_empty()), ("--system-fonts", self.system_fonts)];
+        let given = options.into_iter().filter(|(_, given)| *given);
+        let warning =
+            |(option, _)| Warning { origin: Origin::Parameter, ..Warning::input(format!("{option} has no effect: text is not drawn yet")) };
+        given.map(warning).collect()
+    }
+}

@@ -1,0 +1,126 @@
+//! `runset info`: what a document holds.
+
+use std::path::PathBuf;
+
+use runset::job::{Entry, Info, info};
+use runset::scene::{BUILT_IN, Limits};
+
+use super::input::{Limit, Source};
+use super::messages::{Ends, Failure, print};
+use super::table::table;
+
+const EXAMPLES: &str = "\
+Examples:
+  runset info poster.svg
+  runset info poster.svg --json | jq -r '.ids[] | select(.kind == \"group\") | .id'";
+
+/// Show the size of a drawing or a scene, and its ids with kind, bounds and edge count
+///
+/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units, edges are
+/// counted at scale 1.
+#[derive(clap::Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Inspect {
+    /// Drawing or scene to read; - is standard input
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
+    input: PathBuf,
+
+    /// One JSON object instead of a table, ids as they are in the document
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    limit: Limit,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// The document is refused, or standard output.
+pub fn run(args: &Inspect) -> Result<(), Failure> {
+    let source = Source::find(&args.input)?;
+    let name = source.name();
+    let ends = Ends { input: &name, output: "<stdout>" };
+    let limits = Limits { input: args.limit.max_input, ..Limits::default() };
+    let bytes = source.read(limits.input)?;
+    let mut warnings = Vec::new();
+    let scene = runset::input::read(bytes, &limits, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let info = info(&scene);
+    ends.warn(&warnings, false)?;
+    if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
+}
+
+fn describe(info: &Info) -> String {
+    /// A user unit is 1/96 inch.
+    const MM: f64 = 25.4 / 96.0;
+    let [width, height, width_mm, height_mm] = [info.width, info.height, info.width * MM, info.height * MM].map(number);
+    let size = format!("{width} x {height} user units ({width_mm} x {height_mm} mm)\n");
+    if info.ids.is_empty() {
+        return size + "no ids\n";
+    }
+    let heading = ["id", "kind", "left", "top", "right", "bottom", "edges"].map(str::to_owned);
+    let rows: Vec<_> = std::iter::once(heading).chain(info.ids.iter().map(row)).collect();
+    size + "\n" + &table(&rows, [false, false, true, true, true, true, true])
+}
+
+fn row(entry: &Entry) -> [String; 7] {
+    /// Deepest indentation.
+    const DEEPEST: u32 = 12;
+    let id = "  ".repeat(entry.depth.min(DEEPEST) as usize) + &quoted(&entry.id);
+    let [left, top, right, bottom] = entry.bounds.map_or_else(|| ["-"; 4].map(str::to_owned), |bounds| bounds.map(number));
+    [id, entry.kind.to_owned(), left, top, right, bottom, entry.edges.to_string()]
+}
+
+/// An id as an expression takes it; control characters, which would break the table, are replaced.
+fn quoted(id: &str) -> String {
+    let word = |c: char| c.is_ascii_alphanumeric() || "_.:".contains(c);
+    let plain = id.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') && id.chars().all(word);
+    if plain && !BUILT_IN.contains(&id) {
+        return id.to_owned();
+    }
+    let escaped = id.replace('\\', "\\\\").replace('"', "\\\"").replace(char::is_control, "\u{fffd}");
+    format!("\"{escaped}\"")
+}
+
+/// A number with two decimals, or in powers of ten where that would be long.
+fn number(x: f64) -> String {
+    if x.abs() < 1e9 { format!("{x:.2}") } else { format!("{x:.6e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_shown_as_an_expression_takes_them() {
+        for (id, shown) in [
+            ("a_1.b:c", "a_1.b:c"),
+            ("_", "_"),
+            ("any", "any"),
+            ("page", "\"page\""),
+            ("layer-1", "\"layer-1\""),
+            ("1a", "\"1a\""),
+            ("", "\"\""),
+            ("é", "\"é\""),
+            ("a\"b\\", "\"a\\\"b\\\\\""),
+            ("a\nb", "\"a\u{fffd}b\""),
+        ] {
+            assert_eq!(quoted(id), shown);
+        }
+    }
+
+    #[test]
+    fn a_document_is_described_as_a_tree() {
+        let entry = |id: &str, depth, bounds| Entry { id: id.to_owned(), kind: "path", depth, bounds, edges: 4 };
+        let ids = vec![entry("a", 0, Some([0.0, 1.0, 2.5, 1e12])), entry("b-c", 1, None)];
+        let text = describe(&Info { width: 96.0, height: 48.0, ids });
+        let expected = "\
+96.00 x 48.00 user units (25.40 x 12.70 mm)
+
+id       kind  left   top  right       bottom  edges
+a        path  0.00  1.00   2.50  1.000000e12      4
+  \"b-c\"  path     -     -      -            -      4
+";
+        assert_eq!(text, expected);
+    }
+}

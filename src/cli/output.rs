@@ -1,0 +1,223 @@
+//! Where a raster goes, and the promise that a file under the output's name is complete.
+//!
+//! A regular file is written under another name in the same folder and renamed when it is complete; links are followed, the file that
+//! they lead to is replaced and keeps its mode. Anything else (a pipe, a FIFO, a device, `/dev/stdout`) is written directly.
+//! All that can be known to go wrong is found before the input is read.
+
+use std::fs::{self, File, Metadata, OpenOptions, Permissions};
+use std::io::{self, IsTerminal, Write};
+use std::os::fd::AsFd;
+use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+
+use runset::encode::{FORMATS, Format, by_extension};
+use tempfile::TempPath;
+
+use super::input::Source;
+use super::messages::{Failure, reason};
+use super::{signals, values};
+
+/// What the user says about the output.
+#[derive(clap::Args)]
+pub struct Target {
+    /// File to write; - is standard output [default: -]
+    ///
+    /// A regular file appears under this name when it is complete, and not before. Devices and FIFOs are written directly.
+    #[arg(short = 'o', long = "output", value_name = "OUT", value_hint = clap::ValueHint::FilePath)]
+    path: Option<PathBuf>,
+
+    /// Format of the output [default: from OUT's extension, else ndjson]
+    #[arg(long, value_name = "FORMAT", value_parser = values::format())]
+    format: Option<&'static Format>,
+}
+
+impl Target {
+    /// The format that was asked for, or that the extension of the output's name says.
+    ///
+    /// # Errors
+    /// No format has that extension.
+    pub fn format(&self) -> Result<&'static Format, Failure> {
+        if let Some(format) = self.format {
+            return Ok(format);
+        }
+        match self.path().and_then(Path::extension) {
+            Some(extension) => extension.to_str().and_then(by_extension).ok_or_else(|| {
+                let known: Vec<_> = FORMATS.iter().flat_map(|f| f.extensions).map(|e| format!(".{e}")).collect();
+                let extension = extension.display();
+                Failure::Usage(format!("no format has the extension .{extension}; use one of {} or --format", known.join(", ")))
+            }),
+            None => Ok(by_extension("ndjson").expect("the default format exists")),
+        }
+    }
+
+    /// The file, unless it is standard output.
+    fn path(&self) -> Option<&Path> {
+        self.path.as_deref().filter(|path| path.as_os_str() != "-")
+    }
+}
+
+/// Names of standard output behind which no link is followed: opening what they lead to would start again at its beginning.
+const STDOUT: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+
+/// An output that is open.
+pub struct Output {
+    name: String,
+    file: File,
+    /// A regular file's temporary name, and the name that it gets.
+    unfinished: Option<(TempPath, PathBuf)>,
+}
+
+impl Output {
+    /// Opens the output of a run that reads `source`.
+    ///
+    /// # Errors
+    /// The output is the input, or a terminal that a binary format would spoil; its folder is missing or not writable.
+    pub fn create(target: &Target, source: &Source, format: &Format) -> Result<Output, Failure> {
+        let output = match target.path() {
+            Some(path) => Output::named(path, source)?,
+            None => Output::standard(source)?,
+        };
+        if format.binary && output.is_terminal() {
+            let what = format!("{} is a binary format and {} is a terminal; name a file with -o", format.name, output.name);
+            return Err(Failure::Usage(what));
+        }
+        Ok(output)
+    }
+
+    fn standard(source: &Source) -> Result<Output, Failure> {
+        let name = "<stdout>".to_owned();
+        let file = io::stdout().as_fd().try_clone_to_owned().map(File::from).map_err(|error| unwritable(&name, &error))?;
+        let metadata = file.metadata().map_err(|error| unwritable(&name, &error))?;
+        refuse_same(&name, &metadata, source)?;
+        Ok(Output { name, file, unfinished: None })
+    }
+
+    fn named(path: &Path, source: &Source) -> Result<Output, Failure> {
+        let name = path.display().to_string();
+        if [&b"/"[..], b"/."].iter().any(|end| path.as_os_str().as_encoded_bytes().ends_with(end)) {
+            return Err(is_folder(&name));
+        }
+        let path = resolve(path)?;
+        if STDOUT.iter().any(|stdout| path == Path::new(stdout)) {
+            return Output::standard(source);
+        }
+        let old = match fs::metadata(&path) {
+            Ok(metadata) => Some(metadata),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(unwritable(&name, &error)),
+        };
+        if let Some(old) = &old {
+            refuse_same(&name, old, source)?;
+            if old.is_dir() {
+                return Err(is_folder(&name));
+            }
+            // Asks for the right to write, and changes nothing.
+            let direct = !old.is_file() || is_descriptor(&path);
+            let opened = OpenOptions::new().write(true).truncate(direct).open(&path).map_err(|error| unwritable(&name, &error))?;
+            if direct {
+                return Ok(Output { name, file: opened, unfinished: None });
+            }
+        }
+        let (file, temporary) = beside(&path, old.as_ref()).map_err(|error| {
+            let folder = folder(&path);
+            let what = match error.kind() {
+                io::ErrorKind::NotFound => format!("the folder {} does not exist; make it first", folder.display()),
+                _ => format!("cannot write in the folder {}: {}", folder.display(), reason(&error)),
+            };
+            Failure::at(&name, what)
+        })?;
+        Ok(Output { name, file, unfinished: Some((temporary, path)) })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether what is written appears on a terminal.
+    pub fn is_terminal(&self) -> bool {
+        self.file.is_terminal()
+    }
+
+    /// Gives a complete file its name.
+    ///
+    /// # Errors
+    /// What the system says; then nothing has changed under that name.
+    pub fn finish(self) -> Result<(), Failure> {
+        if let Some((temporary, path)) = self.unfinished {
+            let mut unfinished = signals::unfinished();
+            unfinished.retain(|file| *file != *temporary);
+            temporary.persist(path).map_err(|error| unwritable(&self.name, &error.error))?;
+        }
+        Ok(())
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Follows the links of a path's last part, also to a file that does not exist yet; stops at what names an open file of this process.
+fn resolve(path: &Path) -> Result<PathBuf, Failure> {
+    /// As many as Linux follows.
+    const LINKS: usize = 40;
+    let mut at = path.to_owned();
+    for _ in 0..LINKS {
+        match fs::read_link(&at) {
+            Ok(next) if !is_descriptor(&at) => at = folder(&at).join(next),
+            _ => return Ok(at),
+        }
+    }
+    Err(Failure::at(path.display(), "too many symbolic links, or a circle of them"))
+}
+
+/// Whether a path names an open file, which is written where it stands.
+fn is_descriptor(path: &Path) -> bool {
+    path.starts_with("/proc") || path.starts_with("/dev/fd")
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) => folder,
+        None => path,
+    }
+}
+
+/// A new file in the folder of `path`, known to the signals: with the mode of the old one, else with the mode of any new file.
+fn beside(path: &Path, old: Option<&Metadata>) -> io::Result<(File, TempPath)> {
+    signals::watch()?;
+    let mode = old.map_or(0o666, |old| old.mode() & 0o777);
+    let mut unfinished = signals::unfinished();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".runset-").suffix(".part").permissions(Permissions::from_mode(mode));
+    let (file, temporary) = builder.tempfile_in(folder(path))?.into_parts();
+    unfinished.push(temporary.to_path_buf());
+    if old.is_some() {
+        // The umask has no say in the mode of a file that was there; some file systems know only one mode.
+        let _ = file.set_permissions(Permissions::from_mode(mode));
+    }
+    Ok((file, temporary))
+}
+
+/// Refuses an output that is the input. Terminals, `/dev/null` and sockets can be both.
+fn refuse_same(name: &str, output: &Metadata, source: &Source) -> Result<(), Failure> {
+    let input = source.metadata();
+    let kind = output.file_type();
+    let same = (output.dev(), output.ino()) == (input.dev(), input.ino()) && !kind.is_char_device() && !kind.is_socket();
+    if same { Err(Failure::at(name, "this is the input too; name another output")) } else { Ok(()) }
+}
+
+fn is_folder(name: &str) -> Failure {
+    Failure::at(name, "this is a folder; name a file")
+}
+
+fn unwritable(name: &str, error: &io::Error) -> Failure {
+    Failure::at(name, format_args!("cannot write: {}", reason(error)))
+}

@@ -1,0 +1,97 @@
+//! Values of options: text to numbers within bounds, with messages that say what is allowed.
+
+use std::ops::Range;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use runset::encode::{FORMATS, Format, by_name};
+use runset::grid::MAX_HEIGHT;
+use runset::job::TOLERANCES;
+
+/// The name of a format.
+pub fn format() -> impl TypedValueParser<Value = &'static Format> {
+    let names = FORMATS.iter().map(|format| PossibleValue::new(format.name).help(format.about));
+    PossibleValuesParser::new(names).map(|name| by_name(&name).expect("one of the names listed"))
+}
+
+/// A positive finite number: a scale or dots an inch.
+pub fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "give a number above 0, such as 2 or 0.5".to_owned())
+}
+
+/// A flattening tolerance in pixels, one of [`TOLERANCES`].
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    let allowed = || format!("give a number of pixels from {} to {}", TOLERANCES.start(), TOLERANCES.end());
+    text.parse().ok().filter(|x| TOLERANCES.contains(x)).ok_or_else(allowed)
+}
+
+/// Scanlines `Y0..Y1`, half-open and not empty.
+pub fn lines(text: &str) -> Result<Range<u32>, String> {
+    let range = text.split_once("..").and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?));
+    let range = range.ok_or("give two line numbers, the first counted from 0 and the one behind the last, such as 0..100")?;
+    match range.start < range.end && range.end <= MAX_HEIGHT {
+        true => Ok(range),
+        false => Err(format!("the second number is above the first and at most {MAX_HEIGHT}")),
+    }
+}
+
+/// A number of bytes, at least 1, with an optional suffix k, M or G (powers of 1024).
+pub fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.char_indices().next_back() {
+        Some((at, 'k' | 'K')) => (&text[..at], 10),
+        Some((at, 'm' | 'M')) => (&text[..at], 20),
+        Some((at, 'g' | 'G')) => (&text[..at], 30),
+        _ => (text, 0),
+    };
+    let bytes = digits.parse().ok().and_then(|n: u64| n.checked_mul(1 << shift)).filter(|&n| n > 0);
+    bytes.ok_or_else(|| "give a number of bytes such as 1000000, 512k, 128M or 2G".to_owned())
+}
+
+/// A number of bytes for people, in the notation that [`bytes`] reads.
+pub fn show_bytes(bytes: u64) -> String {
+    let (shift, suffix) = match bytes.trailing_zeros() {
+        30.. => (30, "G"),
+        20.. => (20, "M"),
+        10.. => (10, "k"),
+        _ => (0, ""),
+    };
+    format!("{}{suffix}", bytes >> shift)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_bytes() {
+        for (text, expected) in [("1", 1), ("512k", 524_288), ("128M", 134_217_728), ("128m", 134_217_728), ("2G", 2_147_483_648)] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for text in ["", "0", "k", "-1", "1.5M", "1T", "1é", "18446744073709551616", "18014398509481984k"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+        for n in [1, 1023, 1024, 3 << 20, 5 << 30, (5 << 30) + 1] {
+            assert_eq!(bytes(&show_bytes(n)), Ok(n));
+        }
+    }
+
+    #[test]
+    fn ranges_of_lines_are_half_open_and_hold_a_line() {
+        assert_eq!(lines("0..1"), Ok(0..1));
+        assert_eq!(lines("7..8388608"), Ok(7..8_388_608));
+        for text in ["", "5", "5..", "..5", "5..5", "6..5", "0..8388609", "-1..5", "0...5", "0..=5", "0..99999999999"] {
+            assert!(lines(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        assert_eq!(positive("0.5"), Ok(0.5));
+        for text in ["0", "-1", "nan", "inf", "1e999", "", "1px"] {
+            assert!(positive(text).is_err(), "{text}");
+        }
+        assert_eq!((tolerance("0.001"), tolerance("16")), (Ok(0.001), Ok(16.0)));
+        for text in ["0.0009", "16.1", "nan", "0"] {
+            assert!(tolerance(text).is_err(), "{text}");
+        }
+    }
+}

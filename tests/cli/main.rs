@@ -1,0 +1,10 @@
+//! The program as a user meets it: what it says, what it leaves behind, how it ends.
+
+#![allow(clippy::unwrap_used)] // all of this is tests
+
+mod output;
+mod reference;
+mod signals;
+mod support;
+mod usage;
+mod work;
