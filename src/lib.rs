@@ -30,3 +30,8 @@ pub mod run;
 pub mod scene;
 pub mod shape;
 pub mod sweep;
+
+/// The README's example, kept true.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
