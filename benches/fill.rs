@@ -43,7 +43,7 @@ struct Arguments {
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let workloads = shapes::named(&arguments.names).map_err(anyhow::Error::msg)?;
-    let pbm = encode::by_name("ndjson").context("there is no format pbm")?;
+    let pbm = encode::by_name("pbm").context("there is no format pbm")?;
     let mut out = io::stdout().lock();
     if arguments.list {
         return Ok(workloads.iter().try_for_each(|(name, _)| writeln!(out, "{name}"))?);

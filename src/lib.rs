@@ -13,10 +13,11 @@
 //! 3  region  input  encode   runs of a page; readers; writers
 //! 2  edge  scene             edge builders; shapes, expression, page, limits
 //! 1  sweep  shape            active edges in column order; paths, fill rules, flattening
-//! 0  grid  line  count  bits  run  error
+//! 0  grid  line  count  bits  run  checksum  error
 //! ```
 
 pub mod bits;
+pub mod checksum;
 pub mod count;
 pub mod edge;
 pub mod encode;

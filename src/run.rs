@@ -9,6 +9,9 @@ use std::ops::Range;
 /// Records break at multiples of this many lines.
 pub const RECORD_LINES: u32 = 4096;
 
+/// Most inks of a raster: a pixel of a checksum is two bytes at most, and 0 is paper.
+pub const MAX_INKS: usize = 65_535;
+
 /// A colour: red, green, blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
@@ -82,9 +85,9 @@ impl Merge {
     /// `lines` may span a record boundary.
     pub fn push(&mut self, lines: Lines<'_>, mut emit: impl FnMut(Lines<'_>)) {
         debug_assert!(self.n == 0 || self.y + self.n == lines.y, "lines follow each other");
-        let (mut y, mut left) = (lines.y, lines.n);
-        while left > 0 {
-            if self.n > 0 && (y.is_multiple_of(RECORD_LINES) || self.runs != lines.runs) {
+        let (mut y, end) = (lines.y, lines.y + lines.n);
+        while y < end {
+            if y.is_multiple_of(RECORD_LINES) || self.runs != lines.runs {
                 self.flush(&mut emit);
             }
             if self.n == 0 {
@@ -92,18 +95,57 @@ impl Merge {
                 self.runs.clear();
                 self.runs.extend_from_slice(lines.runs);
             }
-            let take = left.min(RECORD_LINES - y % RECORD_LINES);
+            let take = (end - y).min(RECORD_LINES - y % RECORD_LINES);
             self.n += take;
             y += take;
-            left -= take;
         }
     }
 
     /// Hands out the record that is still open, if there is one.
-    pub fn flush(&mut self, mut emit: impl FnMut(Lines<'_>)) {
+    pub fn flush(&mut self, emit: impl FnOnce(Lines<'_>)) {
         if self.n > 0 {
             emit(Lines { y: self.y, n: self.n, runs: &self.runs });
             self.n = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The lines one by one, and what they are as records by the rule: a record begins at the first line, at a multiple of
+    /// 4096 and where a line differs from the one above.
+    fn by_rule(first: u32, lines: &[Vec<Run>]) -> Vec<(u32, u32, Vec<Run>)> {
+        let mut records: Vec<(u32, u32, Vec<Run>)> = Vec::new();
+        for (y, runs) in (first..).zip(lines) {
+            match records.last_mut() {
+                Some((_, n, last)) if last == runs && y % 4096 != 0 => *n += 1,
+                _ => records.push((y, 1, runs.clone())),
+            }
+        }
+        records
+    }
+
+    proptest! {
+        #[test]
+        fn records_are_those_of_the_rule(
+            first in prop_oneof![0u32..3, 4090..4100u32, 8180..8200u32],
+            pieces in prop::collection::vec((prop_oneof![1u32..20, 4090..4100u32, 8190..8200u32], 0u32..3), 1..12),
+        ) {
+            let row = |kind: u32| (0..kind).map(|i| Run { start: 10 * i, end: 10 * i + 5, ink: 0 }).collect::<Vec<_>>();
+            let (mut merge, mut y, mut got, mut lines) = (Merge::default(), first, Vec::new(), Vec::new());
+            let mut keep = |r: Lines<'_>| got.push((r.y, r.n, r.runs.to_vec()));
+            for (n, kind) in pieces {
+                let runs = row(kind);
+                merge.push(Lines { y, n, runs: &runs }, &mut keep);
+                y += n;
+                lines.resize(lines.len() + n as usize, runs);
+            }
+            merge.flush(&mut keep);
+            merge.flush(&mut keep);
+            prop_assert_eq!(got, by_rule(first, &lines));
         }
     }
 }

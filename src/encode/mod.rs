@@ -23,12 +23,13 @@ pub struct Format {
 }
 
 /// A writer of one raster: `begin`, then `lines` from top to bottom covering every line once, then `end`.
-/// Bytes are appended to `out`, which the caller empties as it likes; they do not depend on how the lines were
-/// grouped, except that a format with `line_bytes() == None` takes whole records as [`crate::run::Merge`] makes them.
+///
+/// Bytes are appended to `out`, which the caller empties as it likes. They depend on the picture and its header alone: not on
+/// how equal lines were grouped, nor on when `out` was emptied.
 pub trait Encode: Send {
-    /// About how many bytes one line takes before compression, where lines are written one by one. The caller then splits
-    /// repeated lines so that `out` stays small. `None`: equal lines are one record, whatever their number.
-    fn line_bytes(&self) -> Option<usize>;
+    /// About how many bytes each further of some equal lines adds to `out`. The caller splits a large [`Lines::n`] by it, so
+    /// that `out` stays small; 0: there is nothing to split, whatever their number.
+    fn line_bytes(&self) -> usize;
     /// Writes what stands before the first line.
     fn begin(&mut self, out: &mut Vec<u8>);
     /// Writes `lines.n` equal lines.
@@ -36,6 +37,9 @@ pub trait Encode: Send {
     /// Writes what stands behind the last line.
     fn end(&mut self, out: &mut Vec<u8>);
 }
+
+mod records;
+mod rows;
 
 macro_rules! formats {
     ($($name:ident)*) => {
@@ -45,7 +49,7 @@ macro_rules! formats {
     };
 }
 
-formats! { ndjson }
+formats! { pbm pgm ppm png ndjson rls }
 
 /// The format of that name.
 pub fn by_name(name: &str) -> Option<&'static Format> {

@@ -1,0 +1,21 @@
+//! Portable bitmap, binary (P4): one bit a pixel, 1 where anything is painted. Fixed size: a row is `ceil(width / 8)` bytes.
+//!
+//! Source: pbm(5) of netpbm.
+
+use super::{Encode, Format, rows};
+use crate::run::Header;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "pbm",
+    extensions: &["pbm"],
+    media_type: "image/x-portable-bitmap",
+    about: "portable bitmap (P4), 1 bit a pixel: 1 where anything is painted",
+    binary: true,
+    encoder,
+};
+
+fn encoder(header: &Header) -> Box<dyn Encode> {
+    let head = format!("P4\n{} {}\n", header.width, header.height());
+    rows::plain(head, header.width.div_ceil(8) as usize, |runs, row| rows::packed(row, 1, 0, runs, |_| 1))
+}

@@ -1,0 +1,22 @@
+//! Portable pixmap, binary (P6): three bytes a pixel, the inks on white.
+//!
+//! Source: ppm(5) of netpbm.
+
+use super::{Encode, Format, rows};
+use crate::run::Header;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "ppm",
+    extensions: &["ppm"],
+    media_type: "image/x-portable-pixmap",
+    about: "portable pixmap (P6), 24 bits a pixel: the inks on white",
+    binary: true,
+    encoder,
+};
+
+fn encoder(header: &Header) -> Box<dyn Encode> {
+    let head = format!("P6\n{} {}\n255\n", header.width, header.height());
+    let inks = header.inks.clone();
+    rows::plain(head, header.width as usize * 3, move |runs, row| rows::rgb(row, runs, &inks))
+}

@@ -1,0 +1,110 @@
+//! Runs become rows of bytes, and formats that are nothing but a head and such rows.
+//!
+//! A row is painted run by run, a byte at a time, into memory that holds paper already. It is done once for equal lines; the
+//! rest are copies.
+
+use super::Encode;
+use crate::run::{Lines, Rgb, Run};
+
+/// Writes the pixels of `runs` into `row` at `depth` bits a pixel (1, 2, 4 or 8), leftmost in the high bits. `value` gives the
+/// pixel of an ink; all others become `paper`, those that fill up the last byte too.
+pub fn packed(row: &mut [u8], depth: u32, paper: u8, runs: &[Run], value: impl Fn(u32) -> u8) {
+    // A byte of equal pixels: at 2 bits, pixel 3 is 3 · 0b01010101.
+    let spread = 255 / ((1u16 << depth) - 1) as u8;
+    row.fill(paper * spread);
+    for run in runs {
+        fill_bits(row, (run.start * depth) as usize, (run.end * depth) as usize, value(run.ink) * spread);
+    }
+}
+
+/// Copies the bits of `pattern` to bits `start..end` of `row`, of which there is at least one. Bit 0 is the high bit of byte 0.
+fn fill_bits(row: &mut [u8], start: usize, end: usize, pattern: u8) {
+    let (first, last) = (start / 8, (end - 1) / 8);
+    let (head, tail) = (0xff >> (start % 8), 0xff << (7 - (end - 1) % 8));
+    let put = |byte: &mut u8, mask: u8| *byte = *byte & !mask | pattern & mask;
+    if first == last {
+        put(&mut row[first], head & tail);
+    } else {
+        put(&mut row[first], head);
+        put(&mut row[last], tail);
+        // Without a middle, as in dense rows, the call would cost more than all else.
+        if last - first > 1 {
+            row[first + 1..last].fill(pattern);
+        }
+    }
+}
+
+/// Writes the pixels of `runs` into `row` at three bytes a pixel, on white.
+pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Rgb]) {
+    row.fill(255);
+    for run in runs {
+        let ink = inks[run.ink as usize];
+        row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut().0.fill(ink);
+    }
+}
+
+/// A writer of `head` and then rows of `row_bytes` bytes; `paint` writes all of a row.
+pub fn plain(head: String, row_bytes: usize, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+    Box::new(Plain { head, row_bytes, paint })
+}
+
+struct Plain<P> {
+    head: String,
+    row_bytes: usize,
+    paint: P,
+}
+
+impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
+    fn line_bytes(&self) -> usize {
+        self.row_bytes
+    }
+
+    fn begin(&mut self, out: &mut Vec<u8>) {
+        out.extend_from_slice(self.head.as_bytes());
+    }
+
+    fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
+        let at = out.len();
+        out.resize(at + self.row_bytes, 0);
+        (self.paint)(lines.runs, &mut out[at..]);
+        (1..lines.n).for_each(|_| out.extend_from_within(at..at + self.row_bytes));
+    }
+
+    fn end(&mut self, _out: &mut Vec<u8>) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn packed_rows_hold_the_pixels_of_the_runs(
+            pixels in prop::collection::vec(0u8..3, 1..80), log in 0u32..4, paper in any::<u8>(), inks in any::<[u8; 3]>(),
+        ) {
+            let depth = 1 << log;
+            let value = |ink: u32| inks[ink as usize] & ((1u16 << depth) - 1) as u8;
+            let paper = paper & ((1u16 << depth) - 1) as u8;
+            // Pixel 0 is paper, others are a run of one pixel each.
+            let runs: Vec<Run> = (0u32..).zip(&pixels).filter(|p| *p.1 > 0)
+                .map(|(x, &ink)| Run { start: x, end: x + 1, ink: u32::from(ink) - 1 }).collect();
+            let mut row = vec![0x5a; (pixels.len() * depth as usize).div_ceil(8)];
+            packed(&mut row, depth, paper, &runs, value);
+            let expected: String = pixels.iter().map(|&p| if p == 0 { paper } else { value(u32::from(p) - 1) })
+                .map(|v| format!("{v:08b}")[8 - depth as usize..].to_string()).collect();
+            let got: String = row.iter().map(|b| format!("{b:08b}")).collect();
+            prop_assert_eq!(&got[..expected.len()], &expected[..]);
+        }
+
+        #[test]
+        fn a_long_run_is_its_pixels(start in 0usize..70, len in 1usize..70, pattern: u8, ground: u8) {
+            let mut row = vec![ground; 18];
+            fill_bits(&mut row, start, start + len, pattern);
+            for bit in 0..18 * 8 {
+                let source = if (start..start + len).contains(&bit) { pattern } else { ground };
+                prop_assert_eq!(row[bit / 8] << (bit % 8) & 0x80, source << (bit % 8) & 0x80);
+            }
+        }
+    }
+}
