@@ -134,6 +134,37 @@ impl Counters {
         self.unsettled.insert(leaf as usize);
     }
 
+    /// [`Counters::add`] and [`Counters::settle`] for a crossing that is alone in its column: while every node that flips has one parent there is
+    /// nothing to be put in order.
+    #[inline]
+    pub fn cross(&mut self, program: &Program, leaf: Node, weight: i32, mut flip: impl FnMut(u32, bool)) {
+        let (mut node, mut weight) = (leaf as usize, weight);
+        loop {
+            self.counts[node] += weight;
+            let holds = program.rules[node].holds(self.counts[node]);
+            if holds == self.holds[node] {
+                return;
+            }
+            self.holds[node] = holds;
+            if program.output_of[node] != NO_OUTPUT {
+                flip(program.output_of[node], holds);
+            }
+            match program.parents(node) {
+                [] => return,
+                &[(_, parent, gain)] => {
+                    node = parent as usize;
+                    weight = if holds { gain } else { -gain };
+                }
+                parents => {
+                    for &(_, parent, gain) in parents {
+                        self.add(parent, if holds { gain } else { -gain });
+                    }
+                    return self.settle(program, flip);
+                }
+            }
+        }
+    }
+
     /// Takes a leaf back to 0.
     pub fn clear(&mut self, leaf: Node) {
         if self.counts[leaf as usize] != 0 {
@@ -216,19 +247,25 @@ mod tests {
             let mut windings = vec![0; leaves];
             let mut told: Vec<bool> = (0..outputs.len()).map(|i| counters.output(&program, i)).collect();
             for step in 0..100 {
-                for _ in 0..1 + random(3) {
+                let mut told_of = |i: u32, holds| {
+                    assert_ne!(told[i as usize], holds, "a flip is told once");
+                    told[i as usize] = holds;
+                };
+                let together = 1 + random(3);
+                for _ in 0..together {
                     let (leaf, weight) = (random(leaves as u64) as usize, [1, -1, 2][random(3) as usize]);
                     windings[leaf] += weight;
-                    counters.add(leaf as Node, weight);
+                    if together == 1 {
+                        counters.cross(&program, leaf as Node, weight, &mut told_of);
+                    } else {
+                        counters.add(leaf as Node, weight);
+                    }
                 }
                 if step == 99 {
                     (0..leaves).for_each(|leaf| counters.clear(leaf as Node));
                     windings.fill(0);
                 }
-                counters.settle(&program, |i, holds| {
-                    assert_ne!(told[i as usize], holds, "a flip is told once");
-                    told[i as usize] = holds;
-                });
+                counters.settle(&program, told_of);
                 for (i, &node) in outputs.iter().enumerate() {
                     assert_eq!(told[i], naive(&rules, &inputs, &windings, node as usize));
                 }

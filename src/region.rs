@@ -132,12 +132,18 @@ impl Rows {
         self.boundaries.push(Boundary { edge: LEFT_SIDE, ink });
         let mut edge = 0;
         while edge < columns.len() {
-            let mut next = edge;
-            while next < columns.len() && columns[next] == columns[edge] {
-                self.counters.add(sides[next].leaf, sides[next].winding);
-                next += 1;
+            let flip = |layer, holds| paint(&mut self.layers, layer, holds);
+            let mut next = edge + 1;
+            if columns.get(next) == Some(&columns[edge]) {
+                self.counters.add(sides[edge].leaf, sides[edge].winding);
+                while columns.get(next) == Some(&columns[edge]) {
+                    self.counters.add(sides[next].leaf, sides[next].winding);
+                    next += 1;
+                }
+                self.counters.settle(program, flip);
+            } else {
+                self.counters.cross(program, sides[edge].leaf, sides[edge].winding, flip);
             }
-            self.counters.settle(program, |layer, holds| paint(&mut self.layers, layer, holds));
             let now = visible(&self.layers);
             if now != ink {
                 ink = now;

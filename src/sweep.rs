@@ -108,6 +108,13 @@ impl<T: Copy> Edges<T> {
         self.chains.partition_point(|chain| chain.first < row)
     }
 
+    /// The column and the state of edge `edge` of a chain, which began `down` scanlines above.
+    fn activate(&self, chain: &Chain<T>, edge: usize, down: u32) -> (i32, Active) {
+        let Edge { last, line } = self.edges[edge];
+        let line = if down > 0 { line.down(down) } else { line };
+        (line.column().clamp(0, self.width), Active { line, until: last, edge: edge as u32, end: chain.end })
+    }
+
     /// Chains that begin above `row` and have not ended there.
     fn straddling(&self, row: u32) -> impl Iterator<Item = &Chain<T>> {
         let before = &self.chains[..self.entry(row)];
@@ -215,33 +222,47 @@ impl<T: Copy> Sweep<T> {
             let (start, end) = (chain.start as usize, chain.end as usize);
             let edge = start + edges.edges[start..end].partition_point(|edge| edge.last <= y);
             let first = if edge == start { chain.first } else { edges.edges[edge - 1].last };
-            self.append(edges, chain, edge, y - first);
+            let (column, active) = edges.activate(chain, edge, y - first);
+            self.columns.push(column);
+            self.tags.push(chain.tag);
+            self.actives.push(active);
         }
+        self.sort();
         self.entry = edges.entry(y);
         self.enter(edges, y);
-        self.settle();
+        self.measure();
+        self.ties.resize(self.columns.len(), false);
         self.tie();
         true
     }
 
-    /// Appends the edge with index `edge` of a chain, which began `down` scanlines above.
-    fn append(&mut self, edges: &Edges<T>, chain: &Chain<T>, edge: usize, down: u32) {
-        let Edge { last, line } = edges.edges[edge];
-        let line = line.down(down);
-        self.columns.push(line.column().clamp(0, edges.width));
-        self.tags.push(chain.tag);
-        self.ties.push(false);
-        self.actives.push(Active { line, until: last, edge: edge as u32, end: chain.end });
-    }
-
-    /// Appends the chains that begin at scanline `y`; true if there are any.
+    /// Merges the chains that begin at scanline `y` into the list, from its end, so that only what lies right of them moves. True if there are any.
     fn enter(&mut self, edges: &Edges<T>, y: u32) -> bool {
-        let before = self.entry;
-        while let Some(chain) = edges.chains.get(self.entry).filter(|chain| chain.first == y) {
-            self.append(edges, chain, chain.start as usize, 0);
-            self.entry += 1;
+        let waiting = &edges.chains[self.entry..];
+        let entering = &waiting[..waiting.iter().take_while(|chain| chain.first == y).count()];
+        let mut old = self.columns.len();
+        for chain in entering {
+            let (column, active) = edges.activate(chain, chain.start as usize, 0);
+            self.columns.push(column);
+            self.tags.push(chain.tag);
+            self.actives.push(active);
         }
-        self.entry > before
+        for (i, chain) in entering.iter().enumerate().rev() {
+            let (column, active) = edges.activate(chain, chain.start as usize, 0);
+            let mut to = old + i;
+            while old > 0 && self.columns[old - 1] > column {
+                old -= 1;
+                self.columns[to] = self.columns[old];
+                self.tags[to] = self.tags[old];
+                self.actives[to] = self.actives[old];
+                to -= 1;
+            }
+            self.columns[to] = column;
+            self.tags[to] = chain.tag;
+            self.actives[to] = active;
+        }
+        self.entry += entering.len();
+        !entering.is_empty()
     }
 
     /// From the scanline before to `y`. True if anything but columns changed.
@@ -271,14 +292,16 @@ impl<T: Copy> Sweep<T> {
                 self.remove_ended(y);
             }
         }
-        let entered = self.enter(edges, y);
         let ordered = self.columns.is_sorted();
         if !ordered {
             self.settle();
-        } else if left || replaced || entered {
+        }
+        let entered = self.enter(edges, y);
+        if left || replaced || entered {
             self.measure();
         }
-        // Every part is needed: tie() also renews the ties.
+        self.ties.resize(self.columns.len(), false);
+        // Not in the expression: tie() also renews the ties.
         let parted = self.tie();
         left || entered || !ordered || parted
     }
@@ -297,7 +320,6 @@ impl<T: Copy> Sweep<T> {
         self.columns.truncate(kept);
         self.tags.truncate(kept);
         self.actives.truncate(kept);
-        self.ties.truncate(kept);
     }
 
     /// Puts the list in order of columns: by insertion where little is out of place, as coherence lets expect (section 2.2.3), else by
@@ -321,7 +343,6 @@ impl<T: Copy> Sweep<T> {
                 }
             }
         }
-        self.measure();
     }
 
     fn sort(&mut self) {
