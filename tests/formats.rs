@@ -1,5 +1,7 @@
 //! Every format of pixels is read back by readers that are not ours.
 
+#![allow(clippy::unwrap_used)]
+
 mod raster;
 
 use raster::{Raster, Rng, inks, program, run};

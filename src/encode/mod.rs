@@ -1,7 +1,7 @@
 //! Writers of rasters, band by band. One file a format; a format sees runs and nothing else.
 //!
 //! To add a format: write `src/encode/NAME.rs` with a `pub const FORMAT: Format` and add its name to the list
-//! at [`formats!`] below. Everything else (command line, extensions, help) follows from that constant.
+//! at `formats!` below. Everything else (command line, extensions, help) follows from that constant.
 
 use crate::run::{Header, Lines};
 

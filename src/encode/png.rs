@@ -14,7 +14,7 @@
 //! gets one row a call and the same room for its answer every time.
 //!
 //! Cost: painting, one difference and the compressor for each distinct row; a row of zeros through the compressor for a repeat;
-//! nothing for segments that repeat.
+//! a copy of the compressed bytes for a segment that repeats.
 //!
 //! Source: PNG Specification (Third Edition), RFC 1950 and RFC 1951.
 
@@ -28,7 +28,7 @@
 //     Up  6   76,  424   132,  606    98,  499    692, 22067   None  201,  753   591, 1923   324, 1626   1334, 13730
 //
 // Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory; noise is not what is drawn.
-// Level 4 is where size stops paying for time. Level 1 has no Huffman codes of its own and is larger without being quicker.
+// Level 4 is where size stops paying for time. Level 1 (fixed Huffman codes) is up to three times larger for two fifths less time.
 
 use flate2::{Compress, Compression, FlushCompress};
 

@@ -1,5 +1,7 @@
 //! Readers of documents and of line streams. One file a format; only the job calls them.
 
+pub mod lines;
+
 use crate::error::{Result, Warning};
 use crate::scene::{Limits, Scene};
 

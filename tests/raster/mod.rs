@@ -1,5 +1,5 @@
 //! Random rasters, pixel by pixel: a model too simple to be wrong, and its way into the writers.
-#![allow(dead_code)] // Not every test uses all of it.
+#![allow(dead_code, clippy::unwrap_used)] // Not every test uses all of it.
 
 use std::ops::Range;
 use std::path::PathBuf;
