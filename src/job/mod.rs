@@ -20,6 +20,7 @@ pub use info::{Entry, Info, info};
 pub use size::Size;
 pub use stream::{More, Stream};
 
+use std::io::Write;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -192,4 +193,11 @@ fn distinct_inks(layers: &[Layer]) -> (Vec<Rgb>, Vec<u32>) {
         })
         .collect();
     (inks, of_layer)
+}
+
+/// Writes what was gathered, and empties it.
+fn write(out: &mut dyn Write, bytes: &mut Vec<u8>) -> Result<()> {
+    out.write_all(bytes).map_err(|error| Error::output(&error))?;
+    bytes.clear();
+    Ok(())
 }

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
 use super::pump::{PORTION, Pump};
-use super::{Job, Stats};
+use super::{Job, Stats, write};
 use crate::encode::Format;
 use crate::error::{Error, Result};
 use crate::region::{Cost, Rows};
@@ -122,10 +122,4 @@ impl Job {
         batch.cost = Some(*rows.cost());
         queue.send(batch).is_ok()
     }
-}
-
-fn write(out: &mut dyn Write, bytes: &mut Vec<u8>) -> Result<()> {
-    out.write_all(bytes).map_err(|error| Error::output(&error))?;
-    bytes.clear();
-    Ok(())
 }
