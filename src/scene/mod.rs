@@ -13,6 +13,7 @@ mod token;
 pub use expression::Expression;
 pub use formula::{Area, Formula, Gate, Input};
 pub use limits::Limits;
+pub(crate) use token::quoted;
 
 use std::collections::HashMap;
 
