@@ -9,7 +9,7 @@ use std::ops::Range;
 use oracle::random::Rng;
 use oracle::{Expr, Function, Operator, Oracle, Scene};
 use runset::encode::{self, Format};
-
+use runset::input;
 use runset::job::{Job, More, Options, Stats};
 use runset::scene::Limits;
 
@@ -20,27 +20,7 @@ fn effort(n: u64) -> u64 {
 
 fn job(scene: &Scene, options: &Options) -> Job {
     let mut warnings = Vec::new();
-    let mut document = runset::scene::Scene::new(f64::from(scene.width), f64::from(scene.height));
-    let mut areas = Vec::new();
-    for (i, shape) in scene.shapes.iter().enumerate() {
-        let mut path = runset::shape::Path::default();
-        for ring in &shape.rings {
-            if ring.len() > 2 {
-                path.ring(&ring.iter().map(|p| [p.0, p.1]).collect::<Vec<_>>());
-            }
-        }
-        let mut s = runset::shape::Shape::new(oracle::name(i), path);
-        if shape.rule == oracle::Rule::EvenOdd {
-            s.rule = runset::shape::FillRule::EvenOdd;
-        }
-        let area = document.add_shape(s);
-        areas.push(area);
-        document.add_name(runset::scene::Named { id: oracle::name(i), kind: "shape", area, shapes: 0..1, depth: 0 });
-    }
-    document.art = document.formula.any(&areas);
-    let expr = runset::scene::Expression::parse(&scene.expr.to_string(), &Limits::default()).unwrap();
-    let area = document.resolve(&expr, &mut warnings).unwrap();
-    document.picture = runset::scene::Picture::Region(area);
+    let document = input::read(scene.json().into_bytes(), &Limits::default(), &mut warnings).expect("the scene is read");
     Job::prepare(document, options, &mut warnings).expect("the scene is prepared")
 }
 

@@ -15,6 +15,7 @@ pub use compile::compile;
 pub use expression::Expression;
 pub use formula::{Area, Formula, Gate, Input};
 pub use limits::Limits;
+pub(crate) use token::quoted;
 
 use std::collections::HashMap;
 

@@ -29,7 +29,7 @@ pub(super) fn written(id: &str) -> String {
 }
 
 /// An id in double quotes, for messages.
-pub(super) fn quoted(id: &str) -> String {
+pub(crate) fn quoted(id: &str) -> String {
     format!("\"{}\"", shortened(id).replace('\\', "\\\\").replace('"', "\\\""))
 }
 

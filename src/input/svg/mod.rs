@@ -1,0 +1,105 @@
+//! SVG, plain: filled paths and basic shapes with their ids, groups, transforms and fill rules.
+//!
+//! Four steps, a file each. [`markup`] looks at the text and [`references`] at the parsed XML, and refuse what the libraries would
+//! choke on; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers. Ids come from
+//! the XML ([`names`]), because `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on
+//! the way, each with the element's id ([`notes`]).
+//!
+//! Nothing outside the document is ever opened.
+
+mod markup;
+mod names;
+mod notes;
+mod references;
+mod style;
+mod tree;
+
+use std::thread;
+
+use usvg::roxmltree;
+
+use self::notes::Notes;
+use crate::error::{Error, Kind, Place, Result, Warning};
+use crate::scene::{Limits, Scene};
+
+/// Stack for `usvg`, which recurses on nested elements: enough for [`references::DEEPEST`], wherever this is called from.
+const STACK: usize = 64 << 20;
+
+/// Reads an SVG.
+///
+/// # Errors
+/// With the place where there is one: what is not XML or not SVG, circular references, more than the limits allow, coordinates out
+/// of range.
+pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let text = std::str::from_utf8(bytes)
+        .map_err(|e| Error::input(Kind::Malformed, "the document is not UTF-8: save it as UTF-8").at_byte(bytes, e.valid_up_to()))?;
+    markup::check(text, limits)?;
+    thread::scope(|scope| {
+        let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, warnings));
+        let reader = reader.map_err(|e| Error::input(Kind::Io, format!("no thread to read the SVG on: {e}")))?;
+        // A panic there is a fault of a library; here it is an error like others.
+        reader.join().unwrap_or_else(|_| Err(Error::input(Kind::Malformed, "the SVG library fails on this document: simplify it")))
+    })
+}
+
+fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let xml = roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))?;
+    let root = xml.root_element();
+    if !is_svg(root) || root.tag_name().name() != "svg" {
+        let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
+        return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
+    }
+    references::check(&xml, limits)?;
+    let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
+    let mut notes = Notes::new(warnings);
+    notes.read(&xml);
+    let walked = tree::walk(&drawing, limits, &mut notes)?;
+    names::add(walked, &xml, limits, &mut notes)
+}
+
+/// Options under which `usvg` opens no file, asks for no font and draws no image.
+fn options_of_usvg() -> usvg::Options<'static> {
+    let nothing = usvg::ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) };
+    usvg::Options { image_href_resolver: nothing, ..Default::default() }
+}
+
+/// Whether an element is SVG's own; those without any namespace count, as `usvg` has it.
+fn is_svg(node: roxmltree::Node<'_, '_>) -> bool {
+    node.is_element() && matches!(node.tag_name().namespace(), None | Some("http://www.w3.org/2000/svg"))
+}
+
+/// The attribute of that name that has no namespace.
+fn attribute<'a>(node: roxmltree::Node<'a, '_>, name: &str) -> Option<&'a str> {
+    node.attributes().find(|a| a.namespace().is_none() && a.name() == name).map(|a| a.value())
+}
+
+/// The `href` of an element; the one without a namespace goes before `xlink:href`.
+fn href<'a>(node: roxmltree::Node<'a, '_>) -> Option<&'a str> {
+    attribute(node, "href").or_else(|| node.attribute(("http://www.w3.org/1999/xlink", "href")))
+}
+
+fn xml_error(text: &str, error: &roxmltree::Error) -> Error {
+    use roxmltree::Error as E;
+    match error {
+        E::UnexpectedEndOfStream | E::UnclosedRootNode => {
+            let what = "the XML ends too early: is the file complete?";
+            return Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), text.len());
+        }
+        E::NoRootNode => return Error::input(Kind::Malformed, "no element: expected <svg>"),
+        _ => {}
+    }
+    let at = error.pos();
+    let what = error.to_string().replace(&format!(" at {at}"), "");
+    Error::input(Kind::Malformed, format!("not well-formed XML: {what}")).at(Place { line: at.row, column: at.col })
+}
+
+fn svg_error(error: &usvg::Error) -> Error {
+    match error {
+        usvg::Error::InvalidSize => Error::input(Kind::Malformed, "the svg has no size: give it a positive width and height, or a viewBox"),
+        usvg::Error::ElementsLimitReached | usvg::Error::ParsingFailed(roxmltree::Error::NodesLimitReached) => {
+            Error::input(Kind::Limit, "more than 1000000 elements, <use> counted where it draws: split the drawing")
+        }
+        other => Error::input(Kind::Malformed, format!("not an SVG that can be read: {other}")),
+    }
+}

@@ -1,0 +1,97 @@
+//! What is drawn but not supported: one warning for an element and a reason.
+
+use std::collections::HashSet;
+
+use usvg::roxmltree::{Document, Node};
+
+use super::{attribute, href, is_svg};
+use crate::error::Warning;
+use crate::scene::quoted;
+
+/// Gathers warnings.
+pub(super) struct Notes<'w> {
+    warnings: &'w mut Vec<Warning>,
+    given: HashSet<(String, String)>,
+}
+
+/// An element in a message: by its id, or by the nearest ancestor that has one.
+#[derive(Clone, Copy)]
+pub(super) struct Element<'a> {
+    /// Empty if there is none at all.
+    pub(super) id: &'a str,
+    pub(super) own: bool,
+}
+
+impl Element<'_> {
+    pub(super) fn named(self) -> String {
+        match self {
+            Element { id: "", .. } => "an element without an id".to_owned(),
+            Element { id, own: true } => quoted(id),
+            Element { id, own: false } => format!("an element in {}", quoted(id)),
+        }
+    }
+}
+
+impl<'w> Notes<'w> {
+    pub(super) fn new(warnings: &'w mut Vec<Warning>) -> Notes<'w> {
+        Notes { warnings, given: HashSet::new() }
+    }
+
+    /// Warns, once for equal words.
+    pub(super) fn add(&mut self, element: Element<'_>, what: impl Into<String>) {
+        let (element, what) = (element.named(), what.into());
+        if self.given.insert((element.clone(), what.clone())) {
+            self.warnings.push(Warning::input(format!("{element}: {what}")));
+        }
+    }
+
+    /// Notes what `usvg` leaves out without a word: text, images, and whatever stands outside the document.
+    pub(super) fn read(&mut self, xml: &Document<'_>) {
+        let used: HashSet<&str> = xml.descendants().filter(|n| n.has_tag_name("use")).filter_map(|n| href(n)?.strip_prefix('#')).collect();
+        let mut drawn: Vec<bool> = Vec::new();
+        for node in xml.descendants() {
+            let parent = node.parent().is_none_or(|p| drawn[p.id().get_usize()]);
+            drawn.push(node.attribute("id").is_some_and(|id| used.contains(id)) || (parent && is_drawn(node)));
+            if drawn[node.id().get_usize()] {
+                self.see(node);
+            }
+        }
+        for node in xml.root().children().filter_map(|n| n.pi()).filter(|pi| pi.target == "xml-stylesheet") {
+            let element = Element { id: "", own: false };
+            self.add(element, format!("the style sheet {} is outside the document and not read", quoted(node.value.unwrap_or_default())));
+        }
+    }
+
+    fn see(&mut self, node: Node<'_, '_>) {
+        if !is_svg(node) {
+            return;
+        }
+        let mut named = node.ancestors().filter_map(|n| attribute(n, "id").map(|id| Element { id, own: n == node }));
+        let element = named.next().unwrap_or(Element { id: "", own: false });
+        let name = node.tag_name().name();
+        match name {
+            "text" => self.add(element, "text is not drawn yet"),
+            "image" => self.add(element, "images are not drawn yet"),
+            "foreignObject" | "video" | "iframe" | "canvas" => self.add(element, format!("<{name}> is not drawn")),
+            "style" if node.text().is_some_and(|t| t.contains("@import")) => {
+                self.add(element, "style sheets outside the document are not read");
+            }
+            _ => {}
+        }
+        if !matches!(name, "a" | "script") {
+            if let Some(outside) = href(node).filter(|h| !h.trim_start().starts_with(['#']) && !h.trim_start().starts_with("data:")) {
+                self.add(element, format!("{} is outside the document and not read", quoted(outside)));
+            }
+        }
+        if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
+            self.add(element, "markers are drawn, but do not count under an id yet");
+        }
+    }
+}
+
+/// Whether an element is drawn where it stands, if its parent is.
+fn is_drawn(node: Node<'_, '_>) -> bool {
+    let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
+    let none = |style: &str| style.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "display" && v.trim() == "none"));
+    !hidden && attribute(node, "display") != Some("none") && !attribute(node, "style").is_some_and(none)
+}

@@ -1,0 +1,208 @@
+//! Elements refer to elements: `use` to what it draws, fills to patterns, shapes to clip paths, masks, markers and filters.
+//!
+//! `usvg` follows references and nesting by recursion and copies what they lead to. One walk over the graph of both, with an
+//! explicit stack, refuses circles, chains that are too deep, and documents that grow too large when everything is written out.
+
+use std::collections::HashMap;
+
+use usvg::roxmltree::{Document, Node, NodeId};
+
+use super::style::Styles;
+use super::{attribute, href, is_svg};
+use crate::error::{Error, Kind, Result};
+use crate::scene::{Limits, quoted};
+
+/// How deep elements may be nested, references followed.
+pub(super) const DEEPEST: u32 = 500;
+
+/// Most gradients, patterns, clip paths, masks and filters: `usvg` compares each with each.
+const DEFINITIONS: usize = 50_000;
+
+/// Properties that refer to elements. Shapes inherit the first [`INHERITED`].
+const PROPERTIES: [&str; 8] = ["fill", "stroke", "marker-start", "marker-mid", "marker-end", "clip-path", "mask", "filter"];
+const INHERITED: usize = 5;
+const MARKERS: std::ops::Range<usize> = 2..5;
+
+/// Stands for `href` beside the numbers of [`PROPERTIES`].
+const HREF: usize = PROPERTIES.len();
+
+/// Refuses what must not be followed.
+pub(super) fn check(xml: &Document<'_>, limits: &Limits) -> Result<()> {
+    let (elements, depth) = measure(xml)?;
+    let styles = Styles::read(xml, elements, u64::from(depth))?;
+    Graph::read(xml, &styles).walk(limits)
+}
+
+/// Number of elements and how deep they are nested.
+fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
+    let mut depths: Vec<u32> = Vec::new();
+    let (mut elements, mut definitions, mut deepest) = (0, 0, 0);
+    for node in xml.descendants() {
+        let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + 1);
+        depths.push(depth);
+        deepest = deepest.max(depth);
+        elements += u64::from(node.is_element());
+        let name = node.tag_name().name();
+        definitions += usize::from(matches!(name, "linearGradient" | "radialGradient" | "pattern" | "clipPath" | "mask" | "filter"));
+        if depth > DEEPEST {
+            return Err(at(node, Kind::Limit, format!("elements nested more than {DEEPEST} deep: flatten the groups")));
+        }
+        if definitions > DEFINITIONS {
+            let what = format!("more than {DEFINITIONS} gradients, patterns, clip paths, masks and filters: share them");
+            return Err(at(node, Kind::Limit, what));
+        }
+    }
+    Ok((elements, deepest))
+}
+
+fn at(node: Node<'_, '_>, kind: Kind, what: String) -> Error {
+    Error::input(kind, what).at_byte(node.document().input_text().as_bytes(), node.range().start)
+}
+
+/// A property of an element that refers to another.
+#[derive(Clone, Copy)]
+struct Reference {
+    property: usize,
+    to: NodeId,
+}
+
+struct Graph<'a, 'i> {
+    xml: &'a Document<'i>,
+    /// The references that stand on an element itself, for those that have some.
+    own: HashMap<NodeId, Vec<Reference>>,
+    /// For every node and inherited property: the nearest of it and its ancestors that sets it.
+    setter: Vec<[Option<NodeId>; INHERITED]>,
+}
+
+impl<'a, 'i> Graph<'a, 'i> {
+    fn read(xml: &'a Document<'i>, styles: &Styles<'a>) -> Graph<'a, 'i> {
+        let mut ids: HashMap<&str, (NodeId, NodeId)> = HashMap::new();
+        for node in xml.descendants() {
+            if let Some(id) = node.attribute("id") {
+                ids.entry(id).or_insert((node.id(), node.id())).1 = node.id();
+            }
+        }
+        let mut graph = Graph { xml, own: HashMap::new(), setter: Vec::new() };
+        for node in xml.descendants() {
+            let mut setter = node.parent().map_or([None; INHERITED], |p| graph.setter[p.id().get_usize()]);
+            let mut own = Vec::new();
+            // Of equal ids usvg takes the first for use and the last for the others.
+            let targets =
+                |id: &str| ids.get(id).into_iter().flat_map(|&(first, last)| [Some(first), (first != last).then_some(last)]).flatten();
+            if is_svg(node) {
+                styles.of(node, |name, value| {
+                    let all = if name == "marker" { MARKERS } else { 0..HREF };
+                    for property in all.filter(|&p| name == "marker" || PROPERTIES[p] == name) {
+                        if property < INHERITED && value != "inherit" {
+                            setter[property] = Some(node.id());
+                        }
+                        own.extend(urls(value).flat_map(targets).map(|to| Reference { property, to }));
+                    }
+                });
+                if matches!(node.tag_name().name(), "use" | "pattern" | "feImage") {
+                    let id = href(node).and_then(|h| h.trim().strip_prefix('#'));
+                    own.extend(id.into_iter().flat_map(targets).map(|to| Reference { property: HREF, to }));
+                }
+            }
+            graph.setter.push(setter);
+            if !own.is_empty() {
+                graph.own.insert(node.id(), own);
+            }
+        }
+        graph
+    }
+
+    /// What following an element leads to.
+    fn edges(&self, node: Node<'_, '_>) -> Vec<Edge> {
+        let mut edges: Vec<Edge> = node.children().filter(Node::is_element).map(|c| Edge { to: c.id(), markers: 0 }).collect();
+        if !is_svg(node) {
+            return edges;
+        }
+        let own = |id: NodeId| self.own.get(&id).into_iter().flatten();
+        edges.extend(own(node.id()).filter(|r| r.property >= INHERITED).map(|r| Edge { to: r.to, markers: 0 }));
+        let inherited = match node.tag_name().name() {
+            "path" | "line" | "polyline" | "polygon" => INHERITED,
+            "rect" | "circle" | "ellipse" | "text" | "tspan" | "use" => MARKERS.start,
+            _ => 0,
+        };
+        for (property, setter) in self.setter[node.id().get_usize()].iter().enumerate().take(inherited) {
+            let markers = if MARKERS.contains(&property) { vertices(node) } else { 0 };
+            let references = setter.iter().flat_map(|&s| own(s)).filter(|r| r.property == property);
+            edges.extend(references.map(|r| Edge { to: r.to, markers }));
+        }
+        edges
+    }
+
+    /// Walks depth first, every element once.
+    fn walk(&self, limits: &Limits) -> Result<()> {
+        struct Step<'a, 'i> {
+            node: Node<'a, 'i>,
+            edges: Vec<Edge>,
+            size: u64,
+            depth: u32,
+        }
+        #[derive(Clone, Copy)]
+        enum Seen {
+            Not,
+            OnTheWay,
+            Whole { size: u64, depth: u32 },
+        }
+        let step = |node| Step { node, edges: self.edges(node), size: 1, depth: 0 };
+        let mut seen = vec![Seen::Not; self.setter.len()];
+        let mut way = vec![step(self.xml.root_element())];
+        while let Some(here) = way.last_mut() {
+            let Some(&edge) = here.edges.last() else {
+                seen[here.node.id().get_usize()] = Seen::Whole { size: here.size, depth: here.depth };
+                way.pop();
+                continue;
+            };
+            let to = self.xml.get_node(edge.to).expect("edges lead to nodes of this document");
+            match seen[edge.to.get_usize()] {
+                Seen::Not => {
+                    seen[edge.to.get_usize()] = Seen::OnTheWay;
+                    way.push(step(to));
+                    continue;
+                }
+                // A marker that would draw itself is left out by usvg.
+                Seen::OnTheWay if edge.markers > 0 => {}
+                Seen::OnTheWay => {
+                    let (tag, id) = (to.tag_name().name(), quoted(attribute(to, "id").unwrap_or_default()));
+                    let what = format!("<{tag}> {id} is drawn within itself, through what it refers to: break the circle");
+                    return Err(at(to, Kind::Refused, what));
+                }
+                Seen::Whole { size, depth } => {
+                    here.size = here.size.saturating_add(size.saturating_mul(edge.markers.max(1)));
+                    here.depth = here.depth.max(depth + 1);
+                }
+            }
+            here.edges.pop();
+            if here.depth > DEEPEST {
+                let what = format!("elements more than {DEEPEST} deep, references followed: shorten the chain");
+                return Err(at(here.node, Kind::Limit, what));
+            }
+            if here.size > limits.nodes {
+                let what = format!("more than {} elements when all references are written out: use fewer", limits.nodes);
+                return Err(at(here.node, Kind::Limit, what));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// From an element to one that it holds or refers to.
+#[derive(Clone, Copy)]
+struct Edge {
+    to: NodeId,
+    /// For a marker: how often it is drawn at most.
+    markers: u64,
+}
+
+/// An upper bound of the number of vertices of a shape, from the length of its text.
+fn vertices(node: Node<'_, '_>) -> u64 {
+    attribute(node, "d").or(attribute(node, "points")).map_or(0, str::len) as u64 / 2 + 4
+}
+
+/// The ids in the `url(#id)` of a value.
+fn urls(value: &str) -> impl Iterator<Item = &str> {
+    value.split("url(").skip(1).filter_map(|rest| rest.split(')').next()?.trim().trim_matches(['"', '\'']).trim().strip_prefix('#'))
+}

@@ -1,0 +1,96 @@
+//! The style sheets of a document, as far as they refer to other elements.
+//!
+//! `usvg` matches every rule with every element, and a descendant selector with every chain of ancestors; both are bounded here
+//! before it begins.
+
+use simplecss::{AttributeOperator, Declaration, DeclarationTokenizer, Element, PseudoClass, StyleSheet};
+use usvg::roxmltree::{Document, Node};
+
+use super::attribute;
+use crate::error::{Error, Kind, Result};
+
+/// Most steps of matching rules with elements.
+const STEPS: u64 = 1 << 30;
+
+/// Most declarations after those of `a, b { … }` are given to `a` and to `b`.
+const DECLARATIONS: usize = 1 << 22;
+
+/// Longest selector, in elements.
+const SELECTOR: usize = 32;
+
+/// The style sheets.
+pub(super) struct Styles<'a>(StyleSheet<'a>);
+
+impl<'a> Styles<'a> {
+    /// Reads the `style` elements of a document with so many elements, nested so deep. Only rules in which a declaration has a
+    /// `url()` are kept.
+    ///
+    /// # Errors
+    /// A limit.
+    pub(super) fn read(xml: &'a Document<'_>, elements: u64, depth: u64) -> Result<Styles<'a>> {
+        let is_css = |n: &Node<'_, '_>| n.has_tag_name("style") && matches!(n.attribute("type"), None | Some("text/css"));
+        let texts: Vec<&str> = xml.descendants().filter(is_css).filter_map(|n| n.text()).collect();
+        let copies = texts.iter().flat_map(|t| t.split('}')).map(|block| {
+            let (selectors, declarations) = block.split_once('{').unwrap_or((block, ""));
+            (selectors.matches(',').count() + 1).saturating_mul(declarations.matches(';').count() + 1)
+        });
+        let refuse = || Err(Error::input(Kind::Limit, "style sheets too large for so many elements: use fewer and simpler rules"));
+        if copies.fold(0, usize::saturating_add) > DECLARATIONS {
+            return refuse();
+        }
+        let mut sheet = StyleSheet::new();
+        let mut steps = 0_u64;
+        for text in texts {
+            sheet.parse_more(text);
+            steps = steps.saturating_add(sheet.rules.len() as u64);
+        }
+        for rule in &sheet.rules {
+            let selector = rule.selector.to_string();
+            let signs = selector.split_whitespace().filter(|w| matches!(*w, ">" | "+")).count();
+            let joints = selector.split_whitespace().count() - 1;
+            if joints - signs > SELECTOR {
+                return refuse();
+            }
+            let descendants = joints.saturating_sub(2 * signs) as u32;
+            steps = steps.saturating_add(elements.saturating_mul(depth.saturating_pow(descendants)));
+        }
+        if steps > STEPS {
+            return refuse();
+        }
+        sheet.rules.retain(|r| r.declarations.iter().any(|d| d.value.contains("url(")));
+        Ok(Styles(sheet))
+    }
+
+    /// Calls `see` with name and value of everything that styles an element: attributes, rules, the `style` attribute.
+    pub(super) fn of(&self, node: Node<'a, '_>, mut see: impl FnMut(&str, &'a str)) {
+        node.attributes().filter(|a| a.namespace().is_none()).for_each(|a| see(a.name(), a.value()));
+        let mut declare = |d: &Declaration<'a>| see(d.name, d.value);
+        self.0.rules.iter().filter(|r| r.selector.matches(&Styled(node))).flat_map(|r| &r.declarations).for_each(&mut declare);
+        attribute(node, "style").into_iter().flat_map(DeclarationTokenizer::from).for_each(|d| declare(&d));
+    }
+}
+
+/// An element as selectors see it, in the same way as `usvg` has it.
+struct Styled<'a, 'i>(Node<'a, 'i>);
+
+impl Element for Styled<'_, '_> {
+    fn parent_element(&self) -> Option<Self> {
+        self.0.parent_element().map(Styled)
+    }
+
+    fn prev_sibling_element(&self) -> Option<Self> {
+        self.0.prev_sibling_element().map(Styled)
+    }
+
+    fn has_local_name(&self, name: &str) -> bool {
+        self.0.tag_name().name() == name
+    }
+
+    fn attribute_matches(&self, name: &str, operator: AttributeOperator<'_>) -> bool {
+        self.0.attribute(name).is_some_and(|value| operator.matches(value))
+    }
+
+    fn pseudo_class_matches(&self, class: PseudoClass<'_>) -> bool {
+        class == PseudoClass::FirstChild && self.0.prev_sibling_element().is_none()
+    }
+}
