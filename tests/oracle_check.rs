@@ -173,7 +173,7 @@ fn random_scenes_are_pictures_and_read_back() {
         let read: serde_json::Value = serde_json::from_str(&scene.json()).unwrap();
         assert_eq!(read["expr"], scene.expr.to_string());
         for (index, shape) in scene.shapes.iter().enumerate() {
-            let rings: Vec<Vec<Point>> = serde_json::from_value(read["shapes"][oracle::name(index)]["rings"].clone()).unwrap();
+            let rings: Vec<Vec<Point>> = serde_json::from_value(read["shapes"][oracle::text::name(index)]["rings"].clone()).unwrap();
             assert_eq!(rings, shape.rings, "seed {seed}, shape {index}");
         }
     }

@@ -19,9 +19,8 @@
 
 pub mod near;
 pub mod random;
-mod text;
+pub mod text;
 
-pub use text::name;
 
 use std::ops::Range;
 
