@@ -95,8 +95,9 @@ impl Pen {
         vec![ring]
     }
 
+    /// Far out there is no lattice: all doubles are whole numbers there.
     fn on_lattice(&self, v: f64) -> f64 {
-        if self.step == 0.0 { v } else { (v / self.step).floor() * self.step + self.offset }
+        if self.step == 0.0 || v.abs() > 1e16 { v } else { (v / self.step).floor() * self.step + self.offset }
     }
 
     /// On the page or somewhat beside it.
