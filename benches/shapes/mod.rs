@@ -167,11 +167,15 @@ fn turn(whole: f64, n: usize) -> Vec<f64> {
     (0..n).map(|i| whole * i as f64 / n as f64).collect()
 }
 
+/// A turn to the eight digits that numpy's script has.
+#[expect(clippy::approx_constant, reason = "more digits would move vertices")]
+const TURN: f64 = 6.2831853;
+
 /// Waves of 2 up to `count` periods to the turn, their heights falling off as 1/k, about 1 high together.
 fn waves(rng: &mut Rng, angles: &[f64], count: u32) -> Vec<f64> {
     let mut sum = vec![0.0; angles.len()];
     for k in (2..count).map(f64::from) {
-        let (phase, height) = (rng.uniform(0.0, 6.2831853), rng.uniform(0.3, 1.0));
+        let (phase, height) = (rng.uniform(0.0, TURN), rng.uniform(0.3, 1.0));
         for (sum, angle) in sum.iter_mut().zip(angles) {
             *sum += (k * angle + phase).cos() * height / k;
         }
