@@ -1,8 +1,7 @@
 //! The plane workloads: what the benchmarks measure, made anew each time, the same everywhere.
 //!
 //! Each is two layers, `a` and `b`, on a page of 4096 x 4096, to be filled as `a - b`; scale 4 makes it 16,384 a side, scale 16
-//! 65,536. Every coordinate is an odd multiple of 1/512 px at scale 1, so that no vertex lies on a pixel centre at any scale
-//! that is a power of two.
+//! 65,536. Every coordinate is an odd multiple of 1/512 px at scale 1, so that no vertex lies on a pixel centre at these scales.
 //!
 //! | name | what | vertices |
 //! |---|---|---|
