@@ -13,7 +13,7 @@
 //!
 //! The first three fill even-odd, the others non-zero. The recipes are those of a numpy script, draw for draw, and all
 //! 3,105,754 vertices agree with what numpy 2.4 makes of it (none differs). A sine whose last bit differs on another platform could move a
-//! vertex by a step of the grid, once in some 10^9.
+//! vertex by a step of the grid, by estimate once in 10^9.
 
 pub mod numpy;
 
