@@ -232,8 +232,8 @@ fn tiny_skia_fill(ring: &[Point], rule: Rule, size: u32) -> Vec<bool> {
     path.close();
     let rule = if rule == Rule::EvenOdd { tiny_skia::FillRule::EvenOdd } else { tiny_skia::FillRule::Winding };
     let paint = tiny_skia::Paint { anti_alias: false, ..tiny_skia::Paint::default() };
-    let mut pixmap = tiny_skia::Pixmap::new(size, size).unwrap();
-    pixmap.fill_path(&path.finish().unwrap(), &paint, rule, tiny_skia::Transform::identity(), None);
+    let mut pixmap = tiny_skia::Pixmap::new(size, size).expect("a small page");
+    pixmap.fill_path(&path.finish().expect("more than a point"), &paint, rule, tiny_skia::Transform::identity(), None);
     pixmap.pixels().iter().map(|pixel| pixel.alpha() > 0).collect()
 }
 

@@ -71,5 +71,5 @@ fn an_unknown_name_is_told() {
 }
 
 fn workload(name: &str) -> Shapes {
-    WORKLOADS.iter().find(|workload| workload.0 == name).unwrap().1()
+    WORKLOADS.iter().find(|workload| workload.0 == name).expect("a workload").1()
 }

@@ -15,7 +15,7 @@
 //! [`random`] makes scenes that are hard in many ways, [`near`] edges that pass as close to pixel centres as edges can. Nothing
 //! here uses the engine.
 
-#![allow(dead_code, reason = "each test that includes this uses a part of it")]
+#![allow(dead_code, unused_imports, reason = "each test that includes this uses a part of it")]
 
 pub mod near;
 pub mod random;

@@ -86,6 +86,7 @@ impl Pen {
             6 => self.hairline(rng),
             7 => self.collapsed(rng),
             8 => self.laps(rng),
+            9 if rng.one_in(2) => self.through(rng),
             9 => self.far(rng),
             10 => self.comb(rng),
             11 | 12 => self.neighbour(rng, made),
@@ -95,8 +96,9 @@ impl Pen {
         vec![ring]
     }
 
+    /// Far out there is no lattice: all doubles are whole numbers there.
     fn on_lattice(&self, v: f64) -> f64 {
-        if self.step == 0.0 { v } else { (v / self.step).floor() * self.step + self.offset }
+        if self.step == 0.0 || v.abs() > 1e16 { v } else { (v / self.step).floor() * self.step + self.offset }
     }
 
     /// On the page or somewhat beside it.
@@ -181,6 +183,17 @@ impl Pen {
         let start = rng.below(ring.len() as u64) as usize;
         ring.rotate_left(start);
         ring
+    }
+
+    /// A side between far points that goes through a pixel's centre, or all but.
+    fn through(&self, rng: &mut Rng) -> Vec<Point> {
+        let [x, y] = self.size.map(|side| rng.below(side as u64) as f64 + 0.5);
+        let (dx, dy) = (rng.between(-9, 9) as f64, rng.between(-9, 9) as f64);
+        let mut end = |sign: f64| {
+            let reach = sign * f64::from(rng.between(0, 40) as u32).exp2();
+            (x + reach * dx + rng.pick(&[0.0, 0.0, 1.0, -1.0]) / 256.0, y + reach * dy)
+        };
+        vec![end(-1.0), end(1.0), self.point(rng)]
     }
 
     /// Teeth about a pixel wide.
