@@ -257,7 +257,7 @@ fn past_the_limits() {
     let triangle = format!(r#""a":{{{TRIANGLE}}}"#);
     let cases = [
         (
-            r#""a":{"rings":[[[0,0],[4,0],[0,4¦]]]}"#,
+            r#""a":{"rings":[[[0,0],[4,0],[0,4]¦]]}"#,
             r#""expr":"a""#,
             3,
             99,
