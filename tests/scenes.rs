@@ -257,7 +257,7 @@ fn past_the_limits() {
     let triangle = format!(r#""a":{{{TRIANGLE}}}"#);
     let cases = [
         (
-            r#""a":{"rings":[[[0,0],[4,0],[0,4¦]]]}"#,
+            r#""a":{"rings":[[[0,0],[4,0],[0,4]¦]]}"#,
             r#""expr":"a""#,
             3,
             99,
@@ -279,10 +279,10 @@ fn past_the_limits() {
         ),
         (
             "",
-            r#""expr":"page|page¦|page""#,
+            r#""expr":"page|page|¦page""#,
             99,
             3,
-            "expr, column 10: the expression has more than 3 operands and operators: draw it in several runs",
+            "expr, column 11: the expression has more than 3 operands and operators: draw it in several runs",
         ),
     ];
     for (shapes, rest, edges, nodes, what) in cases {

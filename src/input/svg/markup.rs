@@ -9,7 +9,7 @@ use crate::error::{Error, Kind, Result};
 use crate::scene::Limits;
 
 /// Most tags, comments and the like.
-const MARKUP: usize = 4_000_000;
+const MARKUP: usize = 3_000_000;
 
 /// Most attributes in a document.
 const ATTRIBUTES: usize = 16_000_000;
@@ -19,9 +19,9 @@ const ATTRIBUTES_OF_ONE: usize = 4096;
 
 /// Refuses a text that is past one of the limits.
 pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
-    let refuse = |what: String, offset: usize| Err(Error::input(Kind::Limit, what).at_byte(text.as_bytes(), offset));
+    let refuse = |what: String| Err(Error::input(Kind::Limit, what));
     if text.matches('<').count() > MARKUP || text.matches('=').count() > ATTRIBUTES {
-        return refuse(format!("more than {MARKUP} tags or {ATTRIBUTES} attributes: split the drawing"), 0);
+        return refuse(format!("more than {MARKUP} tags or {ATTRIBUTES} attributes: split the drawing"));
     }
     let mut at = 0;
     while let Some(offset) = text[at..].find('<').map(|i| at + i) {
@@ -39,7 +39,8 @@ pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
         } else {
             let (length, attributes) = tag(rest);
             if attributes > ATTRIBUTES_OF_ONE {
-                return refuse(format!("an element with more than {ATTRIBUTES_OF_ONE} attributes: give it fewer"), offset);
+                return refuse(format!("an element with more than {ATTRIBUTES_OF_ONE} attributes: give it fewer"))
+                    .map_err(|e| e.at_byte(text.as_bytes(), offset));
             }
             length
         };
@@ -47,7 +48,7 @@ pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
     }
     let work = entity_work(text);
     if work > limits.input {
-        return refuse(format!("entities that expand to more than {} bytes: write them out", limits.input), 0);
+        return refuse(format!("entities that expand to more than {} bytes: write them out", limits.input));
     }
     Ok(())
 }

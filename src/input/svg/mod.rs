@@ -1,7 +1,7 @@
 //! SVG, plain: filled paths and basic shapes with their ids, groups, transforms and fill rules.
 //!
-//! Four steps, a file each. [`markup`] looks at the text and [`references`] at the parsed XML, and refuse what the libraries would
-//! choke on; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers. Ids come from
+//! Three steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
+//! choke on or silently leave out; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers. Ids come from
 //! the XML ([`names`]), because `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on
 //! the way, each with the element's id ([`notes`]).
 //!
@@ -10,6 +10,7 @@
 mod markup;
 mod names;
 mod notes;
+mod numbers;
 mod references;
 mod style;
 mod tree;
@@ -51,6 +52,7 @@ fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
     references::check(&xml, limits)?;
+    numbers::check(&xml)?;
     let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
     let mut notes = Notes::new(warnings);
     notes.read(&xml);

@@ -32,6 +32,12 @@ impl Element<'_> {
     }
 }
 
+/// How a node is named.
+pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
+    let mut named = node.ancestors().filter_map(|n| attribute(n, "id").map(|id| Element { id, own: n == node }));
+    named.next().unwrap_or(Element { id: "", own: false })
+}
+
 impl<'w> Notes<'w> {
     pub(super) fn new(warnings: &'w mut Vec<Warning>) -> Notes<'w> {
         Notes { warnings, given: HashSet::new() }
@@ -66,8 +72,7 @@ impl<'w> Notes<'w> {
         if !is_svg(node) {
             return;
         }
-        let mut named = node.ancestors().filter_map(|n| attribute(n, "id").map(|id| Element { id, own: n == node }));
-        let element = named.next().unwrap_or(Element { id: "", own: false });
+        let element = element(node);
         let name = node.tag_name().name();
         match name {
             "text" => self.add(element, "text is not drawn yet"),

@@ -16,7 +16,7 @@ use crate::scene::{Limits, quoted};
 pub(super) const DEEPEST: u32 = 500;
 
 /// Most gradients, patterns, clip paths, masks and filters: `usvg` compares each with each.
-const DEFINITIONS: usize = 50_000;
+const DEFINITIONS: usize = 30_000;
 
 /// Properties that refer to elements. Shapes inherit the first [`INHERITED`].
 const PROPERTIES: [&str; 8] = ["fill", "stroke", "marker-start", "marker-mid", "marker-end", "clip-path", "mask", "filter"];

@@ -42,7 +42,11 @@ impl<'a> Styles<'a> {
         let mut steps = 0_u64;
         for text in texts {
             sheet.parse_more(text);
-            steps = steps.saturating_add(sheet.rules.len() as u64);
+            // All rules are sorted anew.
+            steps = steps.saturating_add(32 * sheet.rules.len() as u64);
+            if steps > STEPS {
+                return refuse();
+            }
         }
         for rule in &sheet.rules {
             let selector = rule.selector.to_string();

@@ -132,7 +132,8 @@ impl<'t> Walk<'t, '_, '_, '_> {
             usvg::FillRule::EvenOdd => FillRule::EvenOdd,
         };
         let first_shape = self.shapes();
-        let area = self.shape(Shape { name: element.named(), path: outline(path), rule, transform: Transform::Affine(transform) })?;
+        let name = if element.own { element.id.to_owned() } else { element.named() };
+        let area = self.shape(Shape { name, path: outline(path), rule, transform: Transform::Affine(transform) }, element)?;
         self.areas.push(area);
         match self.layers.last_mut() {
             Some((last, areas)) if *last == ink => areas.push(area),
@@ -144,9 +145,9 @@ impl<'t> Walk<'t, '_, '_, '_> {
         Ok(())
     }
 
-    fn shape(&mut self, shape: Shape) -> Result<Area> {
+    fn shape(&mut self, shape: Shape, element: Element<'_>) -> Result<Area> {
         if !finite(&shape) {
-            let what = format!("{}: its transform takes it out of the range of 64-bit numbers: use smaller ones", shape.name);
+            let what = format!("{}: its transform takes it out of the range of 64-bit numbers: use smaller ones", element.named());
             return Err(Error::input(Kind::Refused, what));
         }
         self.verbs += shape.path.verbs().len() as u64;
@@ -202,7 +203,7 @@ fn element<'t>(id: &'t str, parent: Element<'t>) -> Element<'t> {
 }
 
 /// The map that applies `inner` first, in SVG's order of the six numbers.
-fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
+pub(super) fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (outer, inner);
     [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f]
 }
