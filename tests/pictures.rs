@@ -1,7 +1,7 @@
 //! Small documents beside their pictures: every file of `tests/pictures` is a test.
 //!
-//! A file is a document, a line `----`, and the picture: `.` is paper, `#` the region, or the number of the ink where there are several. The pictures are
-//! drawn by hand; `UPDATE_PICTURES=1` writes what the engine makes, for a person to look at before it is kept.
+//! A file is a document, a line `----`, and the picture: `.` is paper, `#` the region, or the number of the ink where there are several. They are
+//! small enough to be checked by hand; `UPDATE_PICTURES=1` writes what the engine makes, for a person to look at before it is kept.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -133,7 +133,8 @@ impl Job {
         let page = options.size.page(scene.width, scene.height)?;
         let lines = options.lines.clone().unwrap_or(0..page.height);
         if lines.start >= lines.end || lines.end > page.height {
-            let what = format!("lines {}..{} are not on the page: it has {} lines, 0..{0}", lines.start, lines.end, page.height);
+            let Range { start, end } = lines;
+            let what = format!("lines {start}..{end} are not on the page: it has {0} lines, 0..{0}", page.height);
             return Err(Error::parameter(what));
         }
 

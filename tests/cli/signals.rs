@@ -38,6 +38,8 @@ fn while_it_waits_for_its_input() {
     let folder = Folder::new();
     for (signal, number) in [("INT", 2), ("TERM", 15)] {
         let mut child = start(&folder, "--default-signal", "fill - -o out.pbm", Stdio::piped());
+        // Held open: waiting for a child closes its input, and then there is nothing to wait for any more.
+        let _input = child.stdin.take();
         wait_until("the temporary file is there", || unfinished(&folder).is_some());
         kill(&child, signal);
         assert_eq!(child.wait().unwrap().signal(), Some(number), "{signal}");

@@ -62,7 +62,7 @@ fn what_is_wrong_with_the_input_is_status_1_with_its_place() {
     starts("fill scene.json --expr a--b", "--expr:1:3: ");
     starts("fill huge.json", "huge.json: the page would be 1048577 x 10 px");
     starts("info bad.json", "bad.json:2:");
-    starts("convert scene.json", "scene.json:1:1: ");
+    starts("convert scene.json", "scene.json:1:3: not a line stream");
     folder.run("fill missing.json").refused(1, "missing.json: cannot read: No such file or directory");
     folder.run("fill .").refused(1, ".: this is a folder; name a file");
     let mut command = folder.command(crate::support::RUNSET);

@@ -21,7 +21,6 @@ pub mod near;
 pub mod random;
 pub mod text;
 
-
 use std::ops::Range;
 
 use num_bigint::BigInt;
