@@ -152,7 +152,7 @@ fn shapes_that_share_an_edge_neither_overlap_nor_leave_a_gap() {
             rows(&job(&scene, &Options::default()))
         };
         assert!(picture(Operator::And).iter().all(Vec::is_empty), "seed {seed}: overlap");
-        assert!(picture(Operator::Or).iter().all(|row| *row == [0..60]), "seed {seed}: gap");
+        assert!(picture(Operator::Or).iter().all(|row| row.len() == 1 && row[0] == (0..60)), "seed {seed}: gap");
     }
 }
 
