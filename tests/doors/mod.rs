@@ -10,9 +10,12 @@ use runset::input::lines::LineReader;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
 use runset::shape::{FillRule, Path, Shape, Transform};
 
+/// What takes bytes from outside.
+type Door = fn(&[u8]);
+
 /// All doors by name; a folder of `fuzz/corpus` and a target of `fuzz/fuzz_targets` belong to each.
 #[allow(dead_code)] // the fuzz targets take one each
-pub const DOORS: [(&str, fn(&[u8])); 4] = [("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
+pub const DOORS: [(&str, Door); 4] = [("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
 
 /// An expression, over a scene with the names `a`, `b` and `c-d`.
 pub fn expression(bytes: &[u8]) {
