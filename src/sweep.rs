@@ -1,6 +1,6 @@
 //! The sweep: scanline after scanline, the active edges in the order of their columns.
 //!
-//! Edges come in [`Chain`]s: edges of one tag that follow each other downwards without a gap. Chains are sorted by their first
+//! Edges come in chains: edges of one tag that follow each other downwards without a gap. Chains are sorted by their first
 //! scanline (the y-entry lists of paper 000, section 2.1.2, laid end to end, so that no array is as long as the page); the active
 //! list takes those that begin, drops those that end, and steps the others, all in integers. Where an edge ends and its chain goes on, the
 //! next edge takes its place in the list: that is no event, so finer flattening causes none.
@@ -50,7 +50,7 @@ pub struct Edges<T> {
     width: i32,
     edges: Vec<Edge>,
     chains: Vec<Chain<T>>,
-    /// For every [`BLOCK`] chains, the scanline behind the last of any: finds who is active at a given scanline.
+    /// For every `BLOCK` chains, the scanline behind the last of any: finds who is active at a given scanline.
     reach: Vec<u32>,
 }
 
