@@ -49,7 +49,7 @@ fn truths(scene: &Scene, held: u32) -> Vec<bool> {
     truth
 }
 
-/// The oracle: recursive descent straight to a truth, one function a precedence, as the contract's table has it.
+/// The oracle: recursive descent straight to a truth, one function a precedence, as the README lists them.
 struct Naive<'a> {
     rest: &'a str,
     names: &'a [&'a str],
