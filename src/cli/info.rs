@@ -16,8 +16,8 @@ Examples:
 
 /// Show the size of a drawing or a scene, and its ids with kind, bounds and edge count
 ///
-/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units, edges are
-/// counted at scale 1.
+/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units (px), sizes
+/// in mm too; edges are counted at scale 1. The ink is that of ids that are painted with a single one.
 #[derive(clap::Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Inspect {
@@ -58,17 +58,19 @@ fn describe(info: &Info) -> String {
     if info.ids.is_empty() {
         return size + "no ids\n";
     }
-    let heading = ["id", "kind", "left", "top", "right", "bottom", "edges"].map(str::to_owned);
+    let heading = ["id", "kind", "left", "top", "right", "bottom", "mm", "edges", "ink"].map(str::to_owned);
     let rows: Vec<_> = std::iter::once(heading).chain(info.ids.iter().map(row)).collect();
-    size + "\n" + &table(&rows, [false, false, true, true, true, true, true])
+    size + "\n" + &table(&rows, [false, false, true, true, true, true, true, true, false])
 }
 
-fn row(entry: &Entry) -> [String; 7] {
+fn row(entry: &Entry) -> [String; 9] {
     /// Deepest indentation.
     const DEEPEST: u32 = 12;
     let id = "  ".repeat(entry.depth.min(DEEPEST) as usize) + &quoted(&entry.id);
     let [left, top, right, bottom] = entry.bounds.map_or_else(|| ["-"; 4].map(str::to_owned), |bounds| bounds.map(number));
-    [id, entry.kind.to_owned(), left, top, right, bottom, entry.edges.to_string()]
+    let mm = entry.bounds_mm.map_or_else(|| "-".to_owned(), |[l, t, r, b]| format!("{} x {}", number(r - l), number(b - t)));
+    let ink = entry.ink.clone().unwrap_or_else(|| "-".to_owned());
+    [id, entry.kind.to_owned(), left, top, right, bottom, mm, entry.edges.to_string(), ink]
 }
 
 /// An id as an expression takes it; control characters, which would break the table, are replaced.
@@ -111,15 +113,23 @@ mod tests {
 
     #[test]
     fn a_document_is_described_as_a_tree() {
-        let entry = |id: &str, depth, bounds| Entry { id: id.to_owned(), kind: "path", depth, bounds, edges: 4 };
-        let ids = vec![entry("a", 0, Some([0.0, 1.0, 2.5, 1e12])), entry("b-c", 1, None)];
+        let entry = |id: &str, depth, bounds: Option<[f64; 4]>, ink: Option<&str>| Entry {
+            id: id.to_owned(),
+            kind: "path",
+            depth,
+            bounds,
+            bounds_mm: bounds.map(|b| b.map(|x| x / 2.0)),
+            edges: 4,
+            ink: ink.map(str::to_owned),
+        };
+        let ids = vec![entry("a", 0, Some([0.0, 1.0, 2.5, 1e12]), Some("#102030")), entry("b-c", 1, None, None)];
         let text = describe(&Info { width: 96.0, height: 48.0, ids });
         let expected = "\
 96.00 x 48.00 user units (25.40 x 12.70 mm)
 
-id       kind  left   top  right       bottom  edges
-a        path  0.00  1.00   2.50  1.000000e12      4
-  \"b-c\"  path     -     -      -            -      4
+id       kind  left   top  right       bottom                  mm  edges  ink
+a        path  0.00  1.00   2.50  1.000000e12  1.25 x 5.000000e11      4  #102030
+  \"b-c\"  path     -     -      -            -                   -      4  -
 ";
         assert_eq!(text, expected);
     }

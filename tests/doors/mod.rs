@@ -24,7 +24,7 @@ pub fn expression(bytes: &[u8]) {
     for (i, id) in (0..).zip(["a", "b", "c-d"]) {
         let shape = Shape { name: id.to_owned(), path: Path::default(), rule: FillRule::NonZero, transform: Transform::IDENTITY };
         let area = scene.add_shape(shape);
-        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: i..i + 1, depth: 0 });
+        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 });
     }
     let mut warnings = Vec::new();
     let area = Expression::parse(text, &limits()).and_then(|e| scene.resolve(&e, &mut warnings));
@@ -67,7 +67,7 @@ fn document(bytes: &[u8]) {
         assert!(shape.path.points().iter().flatten().chain(&numbers).all(|x| x.is_finite()), "{}", shape.name);
     }
     for name in scene.names() {
-        assert!(name.shapes.start <= name.shapes.end && name.shapes.end as usize <= scene.shapes.len());
+        assert!(name.shapes.iter().all(|r| r.start < r.end && r.end as usize <= scene.shapes.len()));
         whole(&scene, name.area);
     }
     whole(&scene, scene.art);

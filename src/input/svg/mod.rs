@@ -1,18 +1,21 @@
-//! SVG, plain: filled paths and basic shapes with their ids, groups, transforms and fill rules.
+//! SVG: what is painted, as shapes with their ids.
 //!
-//! Three steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
-//! choke on or silently leave out; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers. Ids come from
-//! the XML ([`names`]), because `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on
-//! the way, each with the element's id ([`notes`]).
+//! Four steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
+//! choke on or silently leave out; [`tags`] marks elements whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
+//! it gives into shapes, areas and layers, with [`cut`] for clip paths and masks. Ids come from the XML ([`names`]), because
+//! `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on the way, each with the element's id
+//! ([`notes`]).
 //!
 //! Nothing outside the document is ever opened.
 
+mod cut;
 mod markup;
 mod names;
 mod notes;
 mod numbers;
 mod references;
 mod style;
+mod tags;
 mod tree;
 
 use std::thread;
@@ -20,6 +23,7 @@ use std::thread;
 use usvg::roxmltree;
 
 use self::notes::Notes;
+use self::tags::Tags;
 use crate::error::{Error, Kind, Place, Result, Warning};
 use crate::scene::{Limits, Scene};
 
@@ -44,20 +48,33 @@ pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Vec<Warning>) -
 }
 
 fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    let xml = roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))?;
+    let xml = parsed(text)?;
     let root = xml.root_element();
     if !is_svg(root) || root.tag_name().name() != "svg" {
         let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
-    references::check(&xml, limits)?;
+    let styles = references::check(&xml, limits)?;
     numbers::check(&xml)?;
-    let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
     let mut notes = Notes::new(warnings);
     notes.read(&xml);
-    let walked = tree::walk(&drawing, limits, &mut notes)?;
-    names::add(walked, &xml, limits, &mut notes)
+    let tagged = tags::rewrite(&xml, &styles, &mut notes);
+    drop(styles);
+    let Some((text, tags)) = tagged else { return resolved(&xml, &Tags::default(), limits, &mut notes) };
+    drop(xml);
+    resolved(&parsed(&text)?, &tags, limits, &mut notes)
+}
+
+fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))
+}
+
+/// The scene of a document that has been looked through.
+fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, notes: &mut Notes<'_>) -> Result<Scene> {
+    let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
+    let walked = tree::walk(&drawing, tags, limits, notes)?;
+    names::add(walked, xml, limits, notes)
 }
 
 /// Options under which `usvg` opens no file, asks for no font and draws no image.
