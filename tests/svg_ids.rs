@@ -364,7 +364,7 @@ fn layers_are_cut_as_names_are() {
 #[test]
 fn warnings_name_what_stands_under_a_use() {
     let (_, warnings) = read(
-        r##"<defs><g id="s"><rect id="r" width="3" height="3" opacity=".5"/><rect width="3" height="3" fill="url(#l)"/></g><linearGradient id="l"><stop stop-color="red"/><stop offset="1"/></linearGradient></defs><use href="#s"/>"##,
+        r##"<defs><g id="s"><rect id="r" width="3" height="3" fill-opacity=".5"/><rect width="3" height="3" fill="url(#l)"/></g><linearGradient id="l"><stop stop-color="red"/><stop offset="1"/></linearGradient></defs><use href="#s"/>"##,
     )
     .unwrap();
     assert_eq!(

@@ -182,13 +182,16 @@ fn a_line_stream_becomes_any_format() {
 fn info_is_a_table_or_an_object() {
     let folder = Folder::new();
     let table = "16.00 x 10.00 user units (4.23 x 2.65 mm)\n\n\
-                 id  kind   left   top  right  bottom  edges\n\
-                 a   shape  1.00  1.00   9.00    9.00      4\n\
-                 b   shape  5.00  1.00  13.00    9.00      4\n";
+                 id  kind   left   top  right  bottom           mm  edges  ink\n\
+                 a   shape  1.00  1.00   9.00    9.00  2.12 x 2.12      4  -\n\
+                 b   shape  5.00  1.00  13.00    9.00  2.12 x 2.12      4  -\n";
     assert_eq!(String::from_utf8_lossy(folder.run("info scene.json").done()), table);
     let ran = feed(folder.runset("info - --json"), SCENE.as_bytes());
     let object: serde_json::Value = serde_json::from_slice(ran.done()).unwrap();
-    let entry = |id: &str, bounds: [f64; 4]| serde_json::json!({"id": id, "kind": "shape", "depth": 0, "bounds": bounds, "edges": 4});
+    let entry = |id: &str, bounds: [f64; 4]| {
+        let mm = bounds.map(|x| x * (25.4 / 96.0));
+        serde_json::json!({"id": id, "kind": "shape", "depth": 0, "bounds": bounds, "bounds_mm": mm, "edges": 4, "ink": null})
+    };
     let ids = [entry("a", [1.0, 1.0, 9.0, 9.0]), entry("b", [5.0, 1.0, 13.0, 9.0])];
     assert_eq!(object, serde_json::json!({"width": 16.0, "height": 10.0, "ids": ids}));
 }

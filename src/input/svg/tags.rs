@@ -34,6 +34,10 @@ const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
 pub(super) struct Tag {
     /// Its id; empty if it has none.
     pub(super) id: String,
+    /// Whether it is the first of that id, whose area counts.
+    pub(super) first: bool,
+    /// Whether it is a shape, so that what its group holds is the shape itself and its markers.
+    pub(super) shape: bool,
     /// The id of the marker that it stands in, which `usvg` gives no group of its own; empty if there is none.
     pub(super) marker: String,
     /// The opacity that it has: of the element, or for a part of a text of its fill.
@@ -106,12 +110,21 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
             text.rename(own);
         }
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);
-        let lost = first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
+        let lost = own.is_some() != first.is_some()
+            || first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
         if (!lost && marker.is_none()) || tags.0.len() == TAGS {
             continue;
         }
         let id_of = |attribute: Option<Attribute<'_, '_>>| attribute.map(|a| a.value().to_owned()).unwrap_or_default();
-        let mut tag = Tag { id: id_of(first), marker: id_of(marker), opacity: 1.0, stroke_opacity: 1.0, outer: here.part };
+        let mut tag = Tag {
+            id: id_of(own),
+            first: first.is_some(),
+            shape: SHAPES.contains(&name),
+            marker: id_of(marker),
+            opacity: 1.0,
+            stroke_opacity: 1.0,
+            outer: here.part,
+        };
         let serial = tags.0.len() as u32 + 1;
         let value = UNIT * f64::from(serial);
         if here.text && is_part(name) {
@@ -139,9 +152,10 @@ impl Around {
     }
 }
 
+const SHAPES: [&str; 9] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "text", "image"];
+
 /// Whether `usvg` makes a group, or something in a group, of an element of that name.
 fn is_drawn(name: &str) -> bool {
-    const SHAPES: [&str; 9] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "text", "image"];
     SHAPES.contains(&name) || matches!(name, "g" | "a" | "use" | "svg" | "symbol" | "switch")
 }
 

@@ -136,6 +136,8 @@ struct Step<'t> {
     opacity: f32,
     first_part: usize,
     first_paint: usize,
+    /// Whether a shape in it without an id of its own is its element.
+    shape: bool,
     /// The clip path or mask of which this is the root.
     cutter: Option<(Cutter<'t>, Key)>,
 }
@@ -144,7 +146,18 @@ impl<'t> Step<'t> {
     /// A group that nothing is known of yet.
     fn new(group: &'t Group, transform: [f64; 6], element: Element<'t>) -> Step<'t> {
         let children = group.children().iter().peekable();
-        Step { children, ids: [""; 3], element, transform, cut: None, opacity: 1.0, first_part: 0, first_paint: 0, cutter: None }
+        Step {
+            children,
+            ids: [""; 3],
+            element,
+            transform,
+            cut: None,
+            opacity: 1.0,
+            first_part: 0,
+            first_paint: 0,
+            shape: false,
+            cutter: None,
+        }
     }
 }
 
@@ -165,7 +178,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
     /// A group whose clip path and mask are known.
     fn enter(&mut self, group: &'t Group, outer: &Step<'t>) -> Step<'t> {
         let tag = self.tags.of(group.opacity());
-        let [own, marker] = tag.map_or(["", ""], |tag| [&*tag.id, &*tag.marker]);
+        let [own, marker] = tag.map_or(["", ""], |tag| [if tag.first { &*tag.id } else { "" }, &*tag.marker]);
         let element = self.element(group, outer.element);
         let reasons = [
             (self.opacity(group) < 1.0 && self.sink().mask.is_none(), "transparency is not drawn yet: painted opaque"),
@@ -180,6 +193,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
             opacity: outer.opacity * self.opacity(group),
             first_part: self.sink().parts.len(),
             first_paint: self.walked.paints.len(),
+            shape: tag.is_some_and(|tag| tag.shape),
             ..Step::new(group, transform, element)
         }
     }
@@ -222,7 +236,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
         if !path.is_visible() {
             return Ok(());
         }
-        let element = element(path.id(), step.element);
+        let element = if path.id().is_empty() && step.shape { step.element } else { element(path.id(), step.element) };
         let (first_part, first_paint) = (self.sink().parts.len(), self.walked.paints.len());
         if path.stroke().is_some_and(|s| s.opacity().get() > 0.0) {
             self.notes.add(element, "strokes are not drawn yet");
@@ -240,7 +254,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
         // The parts of a text have no groups of their own.
         let part = path.fill().and_then(|f| self.tags.of(f.opacity())).or(path.stroke().and_then(|s| self.tags.of(s.opacity())));
         let id = if step.ids.contains(&path.id()) { "" } else { path.id() };
-        for tag in part.into_iter().flat_map(|part| self.tags.and_around(part)) {
+        for tag in part.into_iter().flat_map(|part| self.tags.and_around(part)).filter(|tag| tag.first) {
             self.name([&tag.id, "", ""], first_part, first_paint);
         }
         self.name([id, "", ""], first_part, first_paint);
