@@ -18,7 +18,7 @@ use crate::error::{Error, Kind, Result};
 use crate::grid::{self, Point, SUB};
 use crate::line::{Line, far};
 use crate::shape::Shape;
-use crate::shape::flatten::{self, Flattening};
+use crate::shape::flatten::Flattening;
 use crate::sweep::{Edge, Edges};
 
 /// What an edge does to the winding of its shape when it is crossed from left to right.
@@ -84,12 +84,12 @@ impl Builder {
     /// Adds the edges of a shape, counted for `leaf`.
     ///
     /// # Errors
-    /// Coordinates past what a double holds; too many edges.
+    /// Coordinates past what a double holds; too many edges or dashes; a stroke under a homography.
     pub fn add(&mut self, shape: &Shape, leaf: Node) -> Result<()> {
         let transform = shape.transform.then_place(self.placement.scale, self.placement.offset);
         let window = [0.0, 0.0, f64::from(self.width), f64::from(self.height)];
         let how = Flattening { tolerance: self.tolerance, window };
-        flatten::rings(&shape.path, &transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
+        shape.rings(&transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
     }
 
     /// The edges, sorted; whether windings stay open at the right end of scanlines; and how many edges were seen before any was dropped.

@@ -16,7 +16,7 @@ fn scene(ids: &[&str]) -> Scene {
         if id != "empty" {
             path.ring(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
         }
-        let shape = Shape { name: id.to_owned(), path, rule: FillRule::NonZero, transform: Transform::IDENTITY };
+        let shape = Shape::new(id, path);
         let area = scene.add_shape(shape);
         areas.push(area);
         let i = i as u32;

@@ -1,23 +1,23 @@
 //! The resolved drawing, walked into shapes, areas and layers.
 //!
 //! `usvg` gives a tree of groups and paths: coordinates and matrices in 32-bit, which are kept as they are and multiplied in
-//! 64-bit on the way down. Shapes are numbered in painting order, so what a group holds is a range of them.
-//!
-//! Strokes will be further shapes beside the fill, in [`Walk::path`].
+//! 64-bit on the way down. Shapes are numbered in painting order, so what a group holds is a range of them. A stroke is a shape of its own beside the
+//! fill; text arrives as a group of the outlines of its glyphs.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use usvg::tiny_skia_path::PathSegment;
-use usvg::{BlendMode, Group, Node, Paint};
+use usvg::{BlendMode, Group, LineCap, LineJoin, Node, Opacity, Paint, PaintOrder};
 
 use super::notes::{Element, Notes};
+use super::text;
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
 use crate::input::finite;
 use crate::run::Rgb;
 use crate::scene::{Area, Layer, Limits, Picture, Scene};
-use crate::shape::{FillRule, Path, Shape, Transform};
+use crate::shape::{Cap, FillRule, Join, Path, Shape, Stroke, Transform};
 
 /// What stands for a pattern.
 const PATTERN: Rgb = [0x80; 3];
@@ -50,8 +50,16 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, limits: &Limits, notes: &mut Not
                 way.push(inner);
             }
             Some(Node::Path(path)) => walk.path(path, step.transform, step.element)?,
-            // An invisible group, and what the XML has been looked through for.
-            Some(Node::Group(_) | Node::Image(_) | Node::Text(_)) => {}
+            Some(Node::Text(text)) => {
+                let element = element(text.id(), step.element);
+                text::note(text, drawing.fontdb(), element, walk.notes);
+                let inner = walk.enter(text.flattened(), step.transform, step.element);
+                way.push(inner);
+            }
+            // `usvg` is given no images: this one is from a font.
+            Some(Node::Image(_)) => walk.notes.add(step.element, "characters that a font has as images only are not drawn"),
+            // Invisible.
+            Some(Node::Group(_)) => {}
             None => {
                 let done = way.pop().expect("there was a last step");
                 walk.leave(&done);
@@ -119,28 +127,47 @@ impl<'t> Walk<'t, '_, '_, '_> {
             return Ok(());
         }
         let element = element(path.id(), parent);
-        if path.stroke().is_some_and(|s| s.opacity().get() > 0.0) {
-            self.notes.add(element, "strokes are not drawn yet");
+        let (first_area, first_shape) = (self.areas.len(), self.shapes());
+        let name = if element.own { element.id.to_owned() } else { element.named() };
+        let shape = Shape { transform: Transform::Affine(transform), ..Shape::new(name, outline(path)) };
+        let fill = path.fill().map(|fill| {
+            let rule = match fill.rule() {
+                usvg::FillRule::NonZero => FillRule::NonZero,
+                usvg::FillRule::EvenOdd => FillRule::EvenOdd,
+            };
+            (Shape { rule, ..shape.clone() }, fill.paint(), fill.opacity())
+        });
+        let stroke = path.stroke().map(|line| (Shape { stroke: Some(stroke(line)), ..shape }, line.paint(), line.opacity()));
+        let order = match path.paint_order() {
+            PaintOrder::FillAndStroke => [fill, stroke],
+            PaintOrder::StrokeAndFill => [stroke, fill],
+        };
+        for (shape, paint, opacity) in order.into_iter().flatten() {
+            self.paint(shape, paint, opacity, element)?;
         }
-        let Some(fill) = path.fill().filter(|f| f.opacity().get() > 0.0) else { return Ok(()) };
-        if fill.opacity().get() < 1.0 {
+        if !path.id().is_empty() && self.shapes() > first_shape {
+            let parts = self.areas.split_off(first_area);
+            let area = self.union(&parts);
+            self.areas.push(area);
+            self.name(path.id(), area, first_shape);
+        }
+        Ok(())
+    }
+
+    /// Adds a shape and paints it on what is there.
+    fn paint(&mut self, shape: Shape, paint: &Paint, opacity: Opacity, element: Element<'_>) -> Result<()> {
+        if opacity.get() == 0.0 {
+            return Ok(());
+        }
+        if opacity.get() < 1.0 {
             self.notes.add(element, "transparency is not drawn yet: painted opaque");
         }
-        let ink = self.ink(fill.paint(), element);
-        let rule = match fill.rule() {
-            usvg::FillRule::NonZero => FillRule::NonZero,
-            usvg::FillRule::EvenOdd => FillRule::EvenOdd,
-        };
-        let first_shape = self.shapes();
-        let name = if element.own { element.id.to_owned() } else { element.named() };
-        let area = self.shape(Shape { name, path: outline(path), rule, transform: Transform::Affine(transform) }, element)?;
+        let ink = self.ink(paint, element);
+        let area = self.shape(shape, element)?;
         self.areas.push(area);
         match self.layers.last_mut() {
             Some((last, areas)) if *last == ink => areas.push(area),
             _ => self.layers.push((ink, vec![area])),
-        }
-        if !path.id().is_empty() {
-            self.name(path.id(), area, first_shape);
         }
         Ok(())
     }
@@ -206,6 +233,26 @@ fn element<'t>(id: &'t str, parent: Element<'t>) -> Element<'t> {
 pub(super) fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (outer, inner);
     [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f]
+}
+
+fn stroke(line: &usvg::Stroke) -> Stroke {
+    Stroke {
+        width: f64::from(line.width().get()),
+        join: match line.linejoin() {
+            LineJoin::Miter => Join::Miter,
+            LineJoin::MiterClip => Join::MiterClip,
+            LineJoin::Round => Join::Round,
+            LineJoin::Bevel => Join::Bevel,
+        },
+        cap: match line.linecap() {
+            LineCap::Butt => Cap::Butt,
+            LineCap::Round => Cap::Round,
+            LineCap::Square => Cap::Square,
+        },
+        miter_limit: f64::from(line.miterlimit().get()),
+        dashes: line.dasharray().unwrap_or_default().iter().copied().map(f64::from).collect(),
+        dash_offset: f64::from(line.dashoffset()),
+    }
 }
 
 fn outline(path: &usvg::Path) -> Path {
