@@ -17,7 +17,7 @@ use crate::count::Node;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{self, Point, SUB};
 use crate::line::{Line, far};
-use crate::shape::flatten::{self, Flattening};
+use crate::shape::flatten::Flattening;
 use crate::shape::{Shape, Transform, Verb};
 use crate::sweep::{Edge, Edges};
 
@@ -84,12 +84,12 @@ impl Builder {
     /// Adds the edges of a shape, counted for `leaf`.
     ///
     /// # Errors
-    /// Coordinates past what a double holds; too many edges.
+    /// Coordinates past what a double holds; too many edges or dashes; a stroke under a homography.
     pub fn add(&mut self, shape: &Shape, leaf: Node) -> Result<()> {
         let transform = shape.transform.then_place(self.placement.scale, self.placement.offset);
         let window = [0.0, 0.0, f64::from(self.width), f64::from(self.height)];
         let how = Flattening { tolerance: self.tolerance, window };
-        flatten::rings(&shape.path, &transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
+        shape.rings(&transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
     }
 
     /// Whether a shape is a rectangle that holds all pixel centres of the page, such as the frame that drawing programs clip everything to.
@@ -101,7 +101,7 @@ impl Builder {
         let Transform::Affine([a, b, c, d, e, f]) = shape.transform.then_place(self.placement.scale, self.placement.offset) else {
             return false;
         };
-        if !four && !five {
+        if shape.stroke.is_some() || (!four && !five) {
             return false;
         }
         let corner = |[x, y]: Point| grid::snap_point([a * x + c * y + e, b * x + d * y + f]);

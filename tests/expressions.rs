@@ -5,7 +5,7 @@ use std::time::Instant;
 use proptest::prelude::*;
 use runset::error::{Error, Warning};
 use runset::scene::{Area, Expression, Gate, Limits, Named, Scene};
-use runset::shape::{FillRule, Path, Shape, Transform};
+use runset::shape::{Path, Shape};
 
 /// A scene with a triangle for every id, and one empty shape `empty`.
 fn scene(ids: &[&str]) -> Scene {
@@ -16,7 +16,7 @@ fn scene(ids: &[&str]) -> Scene {
         if id != "empty" {
             path.ring(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
         }
-        let shape = Shape { name: id.to_owned(), path, rule: FillRule::NonZero, transform: Transform::IDENTITY };
+        let shape = Shape::new(id, path);
         let area = scene.add_shape(shape);
         areas.push(area);
         let i = i as u32;

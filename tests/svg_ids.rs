@@ -220,6 +220,33 @@ fn markers_count_under_the_shape_and_under_their_own_ids() {
     );
 }
 
+/// Each part of a text is where that text is painted when the rest of it has no paint.
+#[test]
+fn parts_of_a_text_have_areas() {
+    let text = |fills: [&str; 4]| {
+        let [a, b, c, d] = fills;
+        format!(
+            r#"<text id="t" font-size="8" y="7" fill="{a}" stroke-opacity=".999">i<tspan id="u" fill="{b}">l<tspan id="v" fill="{c}" style="fill-opacity:1">x</tspan></tspan><tspan id="w" fill="{d}">o</tspan></text>"#
+        )
+    };
+    let (scene, warnings) = read(&text(["red"; 4])).unwrap();
+    assert_eq!(warnings, Vec::<String>::new());
+    let only = |fills: [&str; 4]| picture(&read(&text(fills)).unwrap().0, Some("art"));
+    assert_eq!(picture(&scene, Some("t")), only(["red"; 4]));
+    assert_eq!(picture(&scene, Some("u")), only(["none", "red", "red", "none"]));
+    assert_eq!(picture(&scene, Some("v")), only(["none", "none", "red", "none"]));
+    assert_eq!(picture(&scene, Some("w")), only(["none", "none", "none", "red"]));
+    assert_ne!(picture(&scene, Some("v")), rects(&[]));
+    // Under a use, in a clip path, and faint.
+    let used = format!(r##"<defs>{}</defs><use id="x" href="#t" opacity=".5"/>"##, text(["red", "red", "red", "none"]));
+    let (used, warnings) = read(&used).unwrap();
+    assert_eq!(picture(&used, Some("v")), picture(&scene, Some("v")));
+    assert_eq!(picture(&used, Some("x")), picture(&used, Some("t")));
+    assert_eq!(warnings, ["\"x\": transparency is not drawn yet: painted opaque"]);
+    let clip = format!(r##"<clipPath id="c">{}</clipPath><rect id="r" width="16" height="8" clip-path="url(#c)"/>"##, text(["red"; 4]));
+    assert_eq!(picture(&read(&clip).unwrap().0, Some("r")), only(["red"; 4]));
+}
+
 #[test]
 fn clip_paths_cut_what_is_painted() {
     let table: &[(&str, &[(&str, &[Rect])])] = &[
@@ -425,6 +452,7 @@ fn info_tells_bounds_edges_and_inks() {
     )
     .unwrap();
     let found: Vec<_> = info(&scene)
+        .unwrap()
         .ids
         .into_iter()
         .map(|e| (e.id, e.kind, e.depth, e.bounds.map(|b| b.map(|x| (x * 10.0).round())), e.edges, e.ink))

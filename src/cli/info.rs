@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use runset::job::{Entry, Info, info};
 use runset::scene::{BUILT_IN, Limits};
 
-use super::input::{Limit, Source};
+use super::input::{FontOptions, Limit, Source};
 use super::messages::{Ends, Failure, print};
 use super::table::table;
 
@@ -30,6 +30,9 @@ pub struct Inspect {
     json: bool,
 
     #[command(flatten)]
+    fonts: FontOptions,
+
+    #[command(flatten)]
     limit: Limit,
 }
 
@@ -43,9 +46,10 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let ends = Ends { input: &name, output: "<stdout>" };
     let limits = Limits { input: args.limit.max_input, ..Limits::default() };
     let bytes = source.read(limits.input)?;
+    let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();
-    let scene = runset::input::read(bytes, &limits, &mut warnings).map_err(|error| ends.failure(&error))?;
-    let info = info(&scene);
+    let scene = runset::input::read_with(bytes, &limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let info = info(&scene).map_err(|error| ends.failure(&error))?;
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
 }

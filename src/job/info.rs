@@ -4,7 +4,8 @@ use crate::edge::Placement;
 use crate::error::Result;
 use crate::grid::NEAR;
 use crate::scene::{Area, Formula, Gate, Scene};
-use crate::shape::flatten::{self, Flattening};
+use crate::shape::Shape;
+use crate::shape::flatten::Flattening;
 
 /// A user unit, 1/96 inch, in millimetres.
 const MM: f64 = 25.4 / 96.0;
@@ -40,24 +41,23 @@ pub struct Info {
 }
 
 /// Bounds and edge counts of all named areas.
-pub fn info(scene: &Scene) -> Info {
+///
+/// # Errors
+/// A stroke with too many dashes.
+pub fn info(scene: &Scene) -> Result<Info> {
     let how = Flattening { tolerance: super::TOLERANCE, window: [-NEAR, -NEAR, NEAR, NEAR] };
     let unplaced = Placement { scale: 1.0, offset: [0.0; 2] };
-    let of_shape: Vec<(Option<[f64; 4]>, u64)> = scene
-        .shapes
-        .iter()
-        .map(|shape| {
-            let (mut bounds, mut edges) = (None, 0);
-            let transform = shape.transform.then_place(unplaced.scale, unplaced.offset);
-            let measured: Result<()> = flatten::rings(&shape.path, &transform, &how, |ring| {
-                edges += ring.len() as u64;
-                ring.iter().for_each(|&[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
-                Ok(())
-            });
-            debug_assert!(measured.is_ok());
-            (bounds, edges)
-        })
-        .collect();
+    let measure = |shape: &Shape| {
+        let (mut bounds, mut edges) = (None, 0);
+        let transform = shape.transform.then_place(unplaced.scale, unplaced.offset);
+        shape.rings(&transform, &how, |ring| {
+            edges += ring.len() as u64;
+            ring.iter().for_each(|&[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
+            Ok(())
+        })?;
+        Ok((bounds, edges))
+    };
+    let of_shape: Vec<(Option<[f64; 4]>, u64)> = scene.shapes.iter().map(measure).collect::<Result<_>>()?;
     let mut extents = Extents { formula: &scene.formula, of_shape: &of_shape, known: vec![None; scene.formula.gates().len()] };
     let ids = scene
         .names()
@@ -77,7 +77,7 @@ pub fn info(scene: &Scene) -> Info {
             }
         })
         .collect();
-    Info { width: scene.width, height: scene.height, ids }
+    Ok(Info { width: scene.width, height: scene.height, ids })
 }
 
 /// Left, top, right, bottom, if there is anything.

@@ -155,12 +155,8 @@ fn progress_is_for_terminals_unless_asked_for() {
 }
 
 #[test]
-fn options_that_have_no_effect_say_so() {
-    let ran = Folder::new().run("fill scene.json --format pbm --font a.ttf --font b.ttf --system-fonts");
-    assert_eq!((ran.status, ran.stdout.as_slice()), (Some(0), PBM));
-    let lines = "runset: warning: --font has no effect: text is not drawn yet\n\
-                 runset: warning: --system-fonts has no effect: text is not drawn yet\n";
-    assert_eq!(ran.stderr, lines);
+fn a_font_that_is_not_there_is_refused() {
+    Folder::new().run("fill scene.json --format pbm --font a.ttf").refused(1, "a.ttf: cannot read: No such file or directory");
 }
 
 #[test]

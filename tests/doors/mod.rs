@@ -8,7 +8,7 @@ use std::io::BufRead;
 use runset::error::{Error, Result, Warning};
 use runset::input::lines::LineReader;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
-use runset::shape::{FillRule, Path, Shape, Transform};
+use runset::shape::{Path, Shape, Transform};
 
 /// What takes bytes from outside.
 type Door = fn(&[u8]);
@@ -22,7 +22,7 @@ pub fn expression(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let mut scene = Scene::new(9.0, 9.0);
     for (i, id) in (0..).zip(["a", "b", "c-d"]) {
-        let shape = Shape { name: id.to_owned(), path: Path::default(), rule: FillRule::NonZero, transform: Transform::IDENTITY };
+        let shape = Shape::new(id, Path::default());
         let area = scene.add_shape(shape);
         scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 });
     }

@@ -87,6 +87,7 @@ impl<'de> Visitor<'de> for OneShape<'_, '_> {
             name: String::new(),
             path: path.ok_or_else(|| A::Error::custom("no outline: give rings or path"))?,
             rule: rule.unwrap_or_default(),
+            stroke: None,
             transform: transform.unwrap_or(Transform::IDENTITY),
         })
     }

@@ -1,4 +1,4 @@
-//! SVG: what is painted, as shapes with their ids.
+//! SVG: what is painted, fills, strokes and text, as shapes with their ids.
 //!
 //! Four steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
 //! choke on or silently leave out; [`tags`] marks elements whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
@@ -16,6 +16,7 @@ mod numbers;
 mod references;
 mod style;
 mod tags;
+mod text;
 mod tree;
 
 use std::thread;
@@ -25,6 +26,7 @@ use usvg::roxmltree;
 use self::notes::Notes;
 use self::tags::Tags;
 use crate::error::{Error, Kind, Place, Result, Warning};
+use crate::input::fonts::{self, Fonts};
 use crate::scene::{Limits, Scene};
 
 /// Stack for `usvg`, which recurses on nested elements: enough for [`references::DEEPEST`], wherever this is called from.
@@ -35,19 +37,19 @@ const STACK: usize = 64 << 20;
 /// # Errors
 /// With the place where there is one: what is not XML or not SVG, circular references, more than the limits allow, coordinates out
 /// of range.
-pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub(super) fn read(bytes: &[u8], limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let text = std::str::from_utf8(bytes)
         .map_err(|e| Error::input(Kind::Malformed, "the document is not UTF-8: save it as UTF-8").at_byte(bytes, e.valid_up_to()))?;
     markup::check(text, limits)?;
     thread::scope(|scope| {
-        let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, warnings));
+        let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, fonts, warnings));
         let reader = reader.map_err(|e| Error::input(Kind::Io, format!("no thread to read the SVG on: {e}")))?;
         // A panic there is a fault of a library; here it is an error like others.
         reader.join().unwrap_or_else(|_| Err(Error::input(Kind::Malformed, "the SVG library fails on this document: simplify it")))
     })
 }
 
-fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let xml = parsed(text)?;
     let root = xml.root_element();
     if !is_svg(root) || root.tag_name().name() != "svg" {
@@ -60,9 +62,9 @@ fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<
     notes.read(&xml);
     let tagged = tags::rewrite(&xml, &styles, &mut notes);
     drop(styles);
-    let Some((text, tags)) = tagged else { return resolved(&xml, &Tags::default(), limits, &mut notes) };
+    let Some((text, tags)) = tagged else { return resolved(&xml, &Tags::default(), limits, fonts, &mut notes) };
     drop(xml);
-    resolved(&parsed(&text)?, &tags, limits, &mut notes)
+    resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)
 }
 
 fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
@@ -71,16 +73,16 @@ fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
 }
 
 /// The scene of a document that has been looked through.
-fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, notes: &mut Notes<'_>) -> Result<Scene> {
-    let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
+fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, fonts: &Fonts, notes: &mut Notes<'_>) -> Result<Scene> {
+    let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
     let walked = tree::walk(&drawing, tags, limits, notes)?;
     names::add(walked, xml, limits, notes)
 }
 
-/// Options under which `usvg` opens no file, asks for no font and draws no image.
-fn options_of_usvg() -> usvg::Options<'static> {
+/// Options under which `usvg` opens no file but the given fonts', and draws no image.
+fn options_of_usvg(fonts: &Fonts) -> usvg::Options<'static> {
     let nothing = usvg::ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) };
-    usvg::Options { image_href_resolver: nothing, ..Default::default() }
+    usvg::Options { image_href_resolver: nothing, font_family: fonts::BUILT_IN.to_owned(), fontdb: fonts.0.clone(), ..Default::default() }
 }
 
 /// Whether an element is SVG's own; those without any namespace count, as `usvg` has it.

@@ -51,7 +51,7 @@ impl<'w> Notes<'w> {
         }
     }
 
-    /// Notes what `usvg` leaves out without a word: text, images, and whatever stands outside the document.
+    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
     pub(super) fn read(&mut self, xml: &Document<'_>) {
         let used: HashSet<&str> = xml.descendants().filter(|n| n.has_tag_name("use")).filter_map(|n| href(n)?.strip_prefix('#')).collect();
         let mut drawn: Vec<bool> = Vec::new();
@@ -75,7 +75,6 @@ impl<'w> Notes<'w> {
         let element = element(node);
         let name = node.tag_name().name();
         match name {
-            "text" => self.add(element, "text is not drawn yet"),
             "image" => self.add(element, "images are not drawn yet"),
             "foreignObject" | "video" | "iframe" | "canvas" => self.add(element, format!("<{name}> is not drawn")),
             "style" if node.text().is_some_and(|t| t.contains("@import")) => {
@@ -86,6 +85,13 @@ impl<'w> Notes<'w> {
         let outside = href(node).filter(|h| !h.trim_start().starts_with('#') && !h.trim_start().starts_with("data:"));
         if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
             self.add(element, format!("{} is outside the document and not read", quoted(outside)));
+        }
+        let arcs = |a: &str| {
+            a.trim() == "arcs"
+                || a.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "stroke-linejoin" && v.trim() == "arcs"))
+        };
+        if attribute(node, "stroke-linejoin").is_some_and(arcs) || attribute(node, "style").is_some_and(arcs) {
+            self.add(element, "joins of the kind arcs are not drawn: mitered instead");
         }
     }
 }

@@ -6,24 +6,26 @@
 //! clip path costs a gate for each group that it is set on and not for each shape.
 //!
 //! One loop with an explicit stack walks the drawing, the clip paths and the masks. What paints is kept in a [`Sink`], one for the
-//! drawing and one for each clip path or mask under way, which is walked before the group that it cuts.
+//! drawing and one for each clip path or mask under way, which is walked before the group that it cuts. A stroke is a shape of its own beside
+//! the fill; text arrives as a group of the outlines of its glyphs.
 
 use std::collections::HashMap;
 use std::iter::Peekable;
 use std::ops::Range;
 
 use usvg::tiny_skia_path::PathSegment;
-use usvg::{BlendMode, Group, MaskType, Node};
+use usvg::{BlendMode, Group, LineCap, LineJoin, MaskType, Node, PaintOrder};
 
 use super::cut::{Cuts, Cutter, Key};
 use super::notes::{Element, Notes};
 use super::tags::Tags;
+use super::text;
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
 use crate::input::finite;
 use crate::run::Rgb;
 use crate::scene::{Area, Formula, Layer, Limits, Picture, Scene};
-use crate::shape::{FillRule, Path, Shape, Transform};
+use crate::shape::{Cap, FillRule, Join, Path, Shape, Stroke, Transform};
 
 /// Every point stays.
 pub(super) const IDENTITY: [f64; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
@@ -101,8 +103,15 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits,
                 walk.path(path, step)?;
                 step.children.next();
             }
-            // What the XML has been looked through for.
-            Some(Node::Image(_) | Node::Text(_)) => {
+            Some(Node::Text(text)) => {
+                text::note(text, drawing.fontdb(), element(text.id(), step.element), walk.notes);
+                let inner = walk.enter(text.flattened(), step);
+                step.children.next();
+                way.push(inner);
+            }
+            Some(Node::Image(_)) => {
+                // `usvg` is given no images: this one is from a font.
+                walk.notes.add(step.element, "characters that a font has as images only are not drawn");
                 step.children.next();
             }
             None => {
@@ -229,7 +238,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
         let mut path = Path::default();
         path.ring(&[[x, y], [right, y], [right, bottom], [x, bottom]]);
         let name = step.element.named();
-        self.shape(Shape { name, path, rule: FillRule::NonZero, transform: Transform::Affine(step.transform) }, step.element)
+        self.shape(Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, path) }, step.element)
     }
 
     fn path(&mut self, path: &'t usvg::Path, step: &Step<'t>) -> Result<()> {
@@ -238,18 +247,26 @@ impl<'t> Walk<'t, '_, '_, '_> {
         }
         let element = if path.id().is_empty() && step.shape { step.element } else { element(path.id(), step.element) };
         let (first_part, first_paint) = (self.sink().parts.len(), self.walked.paints.len());
-        if path.stroke().is_some_and(|s| s.opacity().get() > 0.0) {
-            self.notes.add(element, "strokes are not drawn yet");
-        }
-        if let Some(fill) = path.fill() {
+        let name = if element.own { element.id.to_owned() } else { element.named() };
+        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline(path)) };
+        let fill = path.fill().map(|fill| {
             let rule = match fill.rule() {
                 usvg::FillRule::NonZero => FillRule::NonZero,
                 usvg::FillRule::EvenOdd => FillRule::EvenOdd,
             };
-            let name = if element.own { element.id.to_owned() } else { element.named() };
-            let shape = || Shape { name, path: outline(path), rule, transform: Transform::Affine(step.transform) };
             let opacity = self.tags.of(fill.opacity()).map_or(fill.opacity().get(), |tag| tag.opacity);
-            self.paint(shape, fill.paint(), opacity, element, step)?;
+            (Shape { rule, ..shape.clone() }, fill.paint(), opacity)
+        });
+        let stroke = path.stroke().map(|line| {
+            let opacity = self.tags.of(line.opacity()).map_or(line.opacity().get(), |tag| tag.stroke_opacity);
+            (Shape { stroke: Some(stroke(line)), ..shape }, line.paint(), opacity)
+        });
+        let order = match path.paint_order() {
+            PaintOrder::FillAndStroke => [fill, stroke],
+            PaintOrder::StrokeAndFill => [stroke, fill],
+        };
+        for (shape, paint, opacity) in order.into_iter().flatten() {
+            self.paint(shape, paint, opacity, element, step)?;
         }
         // The parts of a text have no groups of their own.
         let part = path.fill().and_then(|f| self.tags.of(f.opacity())).or(path.stroke().and_then(|s| self.tags.of(s.opacity())));
@@ -262,14 +279,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
     }
 
     /// Paints a shape, if it is to be seen.
-    fn paint(
-        &mut self,
-        shape: impl FnOnce() -> Shape,
-        paint: &usvg::Paint,
-        opacity: f32,
-        element: Element<'t>,
-        step: &Step<'t>,
-    ) -> Result<()> {
+    fn paint(&mut self, shape: Shape, paint: &usvg::Paint, opacity: f32, element: Element<'t>, step: &Step<'t>) -> Result<()> {
         if opacity == 0.0 {
             return Ok(());
         }
@@ -287,7 +297,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
             self.notes.add(element, "transparency is not drawn yet: painted opaque");
         }
         let index = self.walked.scene.shapes.len() as u32;
-        let part = Part { raw: self.shape(shape(), element)?, cut: step.cut };
+        let part = Part { raw: self.shape(shape, element)?, cut: step.cut };
         if let [_] = &self.sinks[..] {
             self.walked.paints.push((index, ink));
         }
@@ -395,6 +405,26 @@ fn matrix(t: usvg::Transform) -> [f64; 6] {
 pub(super) fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (outer, inner);
     [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f]
+}
+
+fn stroke(line: &usvg::Stroke) -> Stroke {
+    Stroke {
+        width: f64::from(line.width().get()),
+        join: match line.linejoin() {
+            LineJoin::Miter => Join::Miter,
+            LineJoin::MiterClip => Join::MiterClip,
+            LineJoin::Round => Join::Round,
+            LineJoin::Bevel => Join::Bevel,
+        },
+        cap: match line.linecap() {
+            LineCap::Butt => Cap::Butt,
+            LineCap::Round => Cap::Round,
+            LineCap::Square => Cap::Square,
+        },
+        miter_limit: f64::from(line.miterlimit().get()),
+        dashes: line.dasharray().unwrap_or_default().iter().copied().map(f64::from).collect(),
+        dash_offset: f64::from(line.dashoffset()),
+    }
 }
 
 fn outline(path: &usvg::Path) -> Path {
