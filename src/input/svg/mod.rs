@@ -58,13 +58,17 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     }
     let styles = references::check(&xml, limits)?;
     numbers::check(&xml)?;
-    let mut notes = Notes::new(warnings);
-    notes.read(&xml);
+    let mut notes = Notes::read(&xml);
     let tagged = tags::rewrite(&xml, &styles, &mut notes);
     drop(styles);
-    let Some((text, tags)) = tagged else { return resolved(&xml, &Tags::default(), limits, fonts, &mut notes) };
-    drop(xml);
-    resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)
+    let scene = if let Some((text, tags)) = tagged {
+        drop(xml);
+        resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)?
+    } else {
+        resolved(&xml, &Tags::default(), limits, fonts, &mut notes)?
+    };
+    warnings.append(&mut notes.warnings(text));
+    Ok(scene)
 }
 
 fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
@@ -73,7 +77,7 @@ fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
 }
 
 /// The scene of a document that has been looked through.
-fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, fonts: &Fonts, notes: &mut Notes<'_>) -> Result<Scene> {
+fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, fonts: &Fonts, notes: &mut Notes) -> Result<Scene> {
     let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
     let walked = tree::walk(&drawing, tags, limits, notes)?;
     names::add(walked, xml, limits, notes)

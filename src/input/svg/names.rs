@@ -15,7 +15,7 @@ use crate::run::Rgb;
 use crate::scene::{Area, Formula, Limits, Named, Scene};
 
 /// Gives the areas of a walked drawing the ids of the document.
-pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes: &mut Notes<'_>) -> Result<Scene> {
+pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes: &mut Notes) -> Result<Scene> {
     let Walked { mut scene, mut drawn, paints } = walked;
     let everything = Drawn { area: scene.art, paints: 0..paints.len(), more: Vec::new() };
     if let Some(id) = attribute(xml.root_element(), "id") {
@@ -34,7 +34,7 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         };
         let kind = kind(node.tag_name().name());
         if !scene.add_name(Named { id: id.to_owned(), kind, area, shapes, ink, depth }) && twice.insert(id) {
-            notes.add(Element { id, own: true }, "this id stands more than once: the first counts");
+            notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
         }
         if (scene.names().len() + scene.shapes.len()) as u64 > limits.nodes {
             return Err(Error::input(Kind::Limit, format!("more than {} shapes and ids: split the drawing", limits.nodes)));

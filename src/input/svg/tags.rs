@@ -81,7 +81,7 @@ struct Around {
 }
 
 /// The document with tags, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes<'_>) -> Option<(String, Tags)> {
+pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
@@ -106,7 +106,11 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
         }
         let first = own.filter(|id| ids.of.get(id.value()).is_some_and(|found| found.first == node.id()));
         if let (Some(own), None) = (own, first) {
-            notes.add(Element { id: own.value(), own: true }, "this id stands more than once: the first counts");
+            notes.add_at(
+                Some(node.range().start),
+                Element { id: own.value(), own: true },
+                "this id stands more than once: the first counts",
+            );
             text.rename(own);
         }
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);

@@ -15,7 +15,7 @@ const MISSING: GlyphId = GlyphId(0);
 const NAMED: usize = 8;
 
 /// Notes what differs from what a text asks for.
-pub(super) fn note(text: &usvg::Text, fonts: &Database, element: Element<'_>, notes: &mut Notes<'_>) {
+pub(super) fn note(text: &usvg::Text, fonts: &Database, element: Element<'_>, notes: &mut Notes) {
     for span in text.chunks().iter().flat_map(|chunk| chunk.spans()).filter(|span| span.is_visible()) {
         note_font(span.font(), fonts, element, notes);
     }
@@ -31,7 +31,7 @@ pub(super) fn note(text: &usvg::Text, fonts: &Database, element: Element<'_>, no
     }
 }
 
-fn note_font(font: &usvg::Font, fonts: &Database, element: Element<'_>, notes: &mut Notes<'_>) {
+fn note_font(font: &usvg::Font, fonts: &Database, element: Element<'_>, notes: &mut Notes) {
     let families: Vec<Family<'_>> = font.families().iter().map(family).collect();
     let query = |families: &[Family<'_>]| {
         let style = match font.style() {

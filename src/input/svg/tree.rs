@@ -77,7 +77,7 @@ pub(super) struct Sink {
 }
 
 /// Walks a drawing.
-pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes<'_>) -> Result<Walked<'t>> {
+pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes) -> Result<Walked<'t>> {
     let size = drawing.size();
     let scene = Scene::new(f64::from(size.width()), f64::from(size.height()));
     let walked = Walked { scene, drawn: HashMap::new(), paints: Vec::new() };
@@ -123,11 +123,11 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits,
     Ok(walk.end())
 }
 
-struct Walk<'t, 'l, 'w, 'n> {
+struct Walk<'t, 'l, 'n> {
     walked: Walked<'t>,
     tags: &'t Tags,
     limits: &'l Limits,
-    notes: &'n mut Notes<'w>,
+    notes: &'n mut Notes,
     sinks: Vec<Sink>,
     cuts: Cuts,
     verbs: u64,
@@ -170,7 +170,7 @@ impl<'t> Step<'t> {
     }
 }
 
-impl<'t> Walk<'t, '_, '_, '_> {
+impl<'t> Walk<'t, '_, '_> {
     /// The opacity that a group has for those who look at it.
     fn opacity(&self, group: &Group) -> f32 {
         self.tags.of(group.opacity()).map_or(group.opacity().get(), |tag| tag.opacity)
