@@ -87,9 +87,11 @@ impl<'w> Notes<'w> {
                 self.add(element, format!("{} is outside the document and not read", quoted(outside)));
             }
         }
-        let arcs = |a: &str| a.trim() == "arcs" || a.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "stroke-linejoin" && v.trim() == "arcs"));
-        if attribute(node, "stroke-linejoin").is_some_and(arcs) || attribute(node, "style").is_some_and(arcs) {
+        if is_styled(node, "stroke-linejoin", "arcs") {
             self.add(element, "joins of the kind arcs are not drawn: mitered instead");
+        }
+        if is_styled(node, "vector-effect", "non-scaling-stroke") {
+            self.add(element, "strokes that do not scale are not drawn: scaled instead");
         }
         if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
             self.add(element, "markers are drawn, but do not count under an id yet");
@@ -100,6 +102,11 @@ impl<'w> Notes<'w> {
 /// Whether an element is drawn where it stands, if its parent is.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
-    let none = |style: &str| style.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "display" && v.trim() == "none"));
-    !hidden && attribute(node, "display") != Some("none") && !attribute(node, "style").is_some_and(none)
+    !hidden && !is_styled(node, "display", "none")
+}
+
+/// Whether an attribute of an element or its `style` sets a property to that value.
+fn is_styled(node: Node<'_, '_>, property: &str, value: &str) -> bool {
+    let declared = |d: &str| d.split_once(':').is_some_and(|(p, v)| p.trim() == property && v.trim() == value);
+    attribute(node, property).is_some_and(|v| v.trim() == value) || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
 }
