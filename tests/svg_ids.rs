@@ -358,7 +358,7 @@ fn black_and_white_masks_cut_what_is_painted() {
     assert_eq!(
         warnings,
         [
-            format!("an element in \"a\": {what}"),
+            format!("an element in \"m\": {what}"),
             format!("\"d\": {what}"),
             format!("an element in \"h\": {what}"),
             format!("\"i\": {what}")
@@ -397,8 +397,8 @@ fn warnings_name_what_stands_under_a_use() {
     assert_eq!(
         warnings,
         [
-            "\"r\": transparency is not drawn yet: painted opaque",
-            "an element in \"s\": gradients are not drawn yet: filled with the first stop's #ff0000"
+            "an element in \"s\": gradients are not drawn yet: filled with the first stop's #ff0000",
+            "\"r\": transparency is not drawn yet: painted opaque"
         ]
     );
 }

@@ -190,14 +190,15 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
     fn end(&mut self, closed: bool) -> Result<()> {
         let Some(start) = self.start.take() else { return Ok(()) };
         self.turn_to_tangent()?;
-        if self.fresh && self.drawn && self.pen.cap != Cap::Butt {
+        let dot = self.fresh;
+        if dot && self.drawn && self.pen.cap != Cap::Butt {
             // A subpath without length is a dot.
             self.straight(start, [1.0, 0.0], 0.0, false)?;
         }
         let first = self.first.take();
         match (first, self.pen.heading) {
-            (Some((p, heading)), Some(_)) if closed => {
-                self.pen.turn(p, heading, 0.0, false)?;
+            (Some((p, heading)), Some(_)) if closed && !dot => {
+                self.pen.draw(p, p, heading, false, false)?;
                 self.pen.lift()
             }
             (first, down) => {

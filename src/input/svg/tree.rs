@@ -214,7 +214,10 @@ impl<'t> Walk<'t, '_, '_> {
             Cutter::Mask(mask) => (mask.root(), IDENTITY, Some(mask.kind())),
         };
         self.sinks.push(Sink { mask, ..Sink::default() });
-        let element = self.element(group, outer.element);
+        let element = match cutter {
+            Cutter::Clip(_) => self.element(group, outer.element),
+            Cutter::Mask(mask) => Element { id: mask.id(), own: false },
+        };
         Step { cutter: Some((cutter, cutter.key(transform))), ..Step::new(root, product(transform, inner), element) }
     }
 
