@@ -110,7 +110,7 @@ impl Extents<'_> {
                     Gate::AtLeast(_, inputs) | Gate::Odd(inputs) => open.extend(inputs.iter().map(|i| i.area).filter(unknown)),
                 }
                 if open.len() == before {
-                    self.known[area.index()] = Some(self.from_inputs(area));
+                    self.known[area.index()] = Some(self.by_inputs(area));
                 }
             }
             if open.len() == before {
@@ -121,7 +121,7 @@ impl Extents<'_> {
     }
 
     /// The box of an area whose inputs' are known: within that of each input that it cannot do without, and of all that count for it.
-    fn from_inputs(&self, area: Area) -> Bounds {
+    fn by_inputs(&self, area: Area) -> Bounds {
         const EVERYWHERE: Bounds = Some([f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY]);
         let (least, inputs) = match &self.formula.gates()[area.index()] {
             Gate::Shape(shape) => return self.of_shape[*shape as usize].0,

@@ -116,7 +116,7 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits,
             }
             None => {
                 let done = way.pop().expect("there was a last step");
-                walk.leave(done)?;
+                walk.leave(&done)?;
             }
         }
     }
@@ -221,11 +221,11 @@ impl<'t> Walk<'t, '_, '_> {
         Step { cutter: Some((cutter, cutter.key(transform))), ..Step::new(root, product(transform, inner), element) }
     }
 
-    fn leave(&mut self, step: Step<'t>) -> Result<()> {
+    fn leave(&mut self, step: &Step<'t>) -> Result<()> {
         if let Some((cutter, key)) = step.cutter {
             let sink = self.sinks.pop().expect("a cutter has its own sink");
             let frame = match cutter {
-                Cutter::Mask(mask) => Some(self.frame(mask, &step)?),
+                Cutter::Mask(mask) => Some(self.frame(mask, step)?),
                 Cutter::Clip(_) => None,
             };
             self.cuts.add(cutter, key, sink, frame, &mut self.walked.scene.formula);
