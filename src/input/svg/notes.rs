@@ -9,9 +9,9 @@ use crate::error::{Places, Warning};
 use crate::scene::quoted;
 
 /// Gathers warnings.
-pub(super) struct Notes<'x> {
+pub(super) struct Notes {
     /// Where the elements with ids begin, in bytes; of equal ids the first.
-    starts: HashMap<&'x str, usize>,
+    starts: HashMap<String, usize>,
     /// Where the element begins that a note is about, if that is known.
     notes: Vec<(Option<usize>, String)>,
     given: HashSet<(String, String)>,
@@ -41,12 +41,12 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
     named.next().unwrap_or(Element { id: "", own: false })
 }
 
-impl<'x> Notes<'x> {
-    /// Notes what `usvg` leaves out without a word: text, images, and whatever stands outside the document.
-    pub(super) fn read(xml: &'x Document<'_>) -> Notes<'x> {
+impl Notes {
+    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
+    pub(super) fn read(xml: &Document<'_>) -> Notes {
         let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
         let mut starts = HashMap::new();
-        ids.for_each(|(id, start)| _ = starts.entry(id).or_insert(start));
+        ids.for_each(|(id, start)| _ = starts.entry(id.to_owned()).or_insert(start));
         let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new() };
         notes.look(xml);
         notes
@@ -101,7 +101,6 @@ impl<'x> Notes<'x> {
         let mut add = |what: &str| self.add_at(Some(node.range().start), element, what);
         let name = node.tag_name().name();
         match name {
-            "text" => add("text is not drawn yet"),
             "image" => add("images are not drawn yet"),
             "foreignObject" | "video" | "iframe" | "canvas" => add(&format!("<{name}> is not drawn")),
             "style" if node.text().is_some_and(|t| t.contains("@import")) => add("style sheets outside the document are not read"),
@@ -111,8 +110,11 @@ impl<'x> Notes<'x> {
         if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
             add(&format!("{} is outside the document and not read", quoted(outside)));
         }
-        if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
-            add("markers are drawn, but do not count under an id yet");
+        if is_styled(node, "stroke-linejoin", "arcs") {
+            add("joins of the kind arcs are not drawn: mitered instead");
+        }
+        if is_styled(node, "vector-effect", "non-scaling-stroke") {
+            add("strokes that do not scale are not drawn: scaled instead");
         }
     }
 }
@@ -120,6 +122,12 @@ impl<'x> Notes<'x> {
 /// Whether an element is drawn where it stands, if its parent is.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
-    let none = |style: &str| style.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "display" && v.trim() == "none"));
-    !hidden && attribute(node, "display") != Some("none") && !attribute(node, "style").is_some_and(none)
+    !hidden && !is_styled(node, "display", "none")
+}
+
+/// Whether an attribute of an element or its `style` sets a property to that value.
+fn is_styled(node: Node<'_, '_>, property: &str, value: &str) -> bool {
+    let declared = |d: &str| d.split_once(':').is_some_and(|(p, v)| p.trim() == property && v.trim() == value);
+    attribute(node, property).is_some_and(|v| v.trim() == value)
+        || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
 }
