@@ -166,7 +166,8 @@ fn ids_are_areas_in_document_order() {
     )
     .unwrap();
     let names: Vec<_> = scene.names().iter().map(|n| (n.id.as_str(), n.kind, n.depth, n.shapes.clone(), union(&scene, n.area))).collect();
-    let expected: &[(&str, &str, u32, std::ops::Range<u32>, &[u32])] = &[
+    type Expected = (&'static str, &'static str, u32, std::ops::Range<u32>, &'static [u32]);
+    let expected: &[Expected] = &[
         ("root", "svg", 0, 0..6, &[0, 1, 2, 3, 4, 5]),
         ("defs", "defs", 1, 0..0, &[]),
         ("unused", "rect", 2, 0..0, &[]),

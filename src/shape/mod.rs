@@ -1,6 +1,6 @@
 //! Paths, fill rules and transforms: a shape before it meets the grid.
 //!
-//! [`flatten`] turns a path under a transform into rings of points in pixels; [`projective`] does it under a homography.
+//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`).
 
 pub mod flatten;
 mod projective;

@@ -83,10 +83,9 @@ impl<'w> Notes<'w> {
             }
             _ => {}
         }
-        if !matches!(name, "a" | "script") {
-            if let Some(outside) = href(node).filter(|h| !h.trim_start().starts_with(['#']) && !h.trim_start().starts_with("data:")) {
-                self.add(element, format!("{} is outside the document and not read", quoted(outside)));
-            }
+        let outside = href(node).filter(|h| !h.trim_start().starts_with('#') && !h.trim_start().starts_with("data:"));
+        if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
+            self.add(element, format!("{} is outside the document and not read", quoted(outside)));
         }
         if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
             self.add(element, "markers are drawn, but do not count under an id yet");
