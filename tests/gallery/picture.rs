@@ -1,9 +1,12 @@
 //! Pictures by runset and by resvg without anti-aliasing, and where they differ.
 
+use std::sync::{Arc, LazyLock};
+
 use runset::error::Warning;
 use runset::input;
 use runset::job::{Job, Options, Size};
 use runset::scene::Limits;
+use usvg::fontdb::{Database, Source};
 
 /// A picture, row by row; paper is none.
 #[derive(PartialEq)]
@@ -90,6 +93,21 @@ fn read(document: &[u8], warnings: &mut Vec<Warning>) -> runset::error::Result<r
     input::read(document.to_vec(), &Limits::default(), warnings)
 }
 
+/// The family of the built-in font.
+const FONT: &str = "Noto Sans";
+
+/// The built-in font, for all families.
+static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
+    let mut fonts = Database::new();
+    if let Ok(file) = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/src/input/svg/font/NotoSans-Regular.ttf")) {
+        fonts.load_font_source(Source::Binary(Arc::new(file)));
+    }
+    fonts.set_serif_family(FONT);
+    fonts.set_sans_serif_family(FONT);
+    fonts.set_monospace_family(FONT);
+    Arc::new(fonts)
+});
+
 /// A document read by the library that draws the other picture.
 pub struct Library(usvg::Tree);
 
@@ -98,6 +116,8 @@ impl Library {
         let options = usvg::Options {
             shape_rendering: usvg::ShapeRendering::CrispEdges,
             text_rendering: usvg::TextRendering::OptimizeSpeed,
+            font_family: FONT.to_owned(),
+            fontdb: FONTS.clone(),
             ..usvg::Options::default()
         };
         usvg::Tree::from_str(text, &options).map(Library).map_err(|e| e.to_string())
