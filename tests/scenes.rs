@@ -189,7 +189,12 @@ fn expressions_are_refused_by_their_key_and_column() {
 fn warnings_name_the_key() {
     let shapes = format!(r#""a":{{{TRIANGLE}}},"e":{{"path":"M 1 1"}},"r":{{"rings":[[[1,1],[2,2]]]}}"#);
     let rest = r##""layers":[{"expr":"a","ink":"#000000"},{"expr":"e | atleast(9, a) | r","ink":"#000000"}]"##;
-    let lines: Vec<_> = read(with(&shapes, rest)).unwrap().1.into_iter().map(|w| w.what).collect();
+    let document = with(&shapes, rest);
+    let warnings = read(&document).unwrap().1;
+    let place = |text: &str| Some(Place::of_byte(document.as_bytes(), document.find(text).unwrap()));
+    let places: Vec<_> = warnings.iter().map(|w| w.place).collect();
+    assert_eq!(places, [place("e | atleast"), place("atleast(9"), place("r\",\"ink\"")]);
+    let lines: Vec<_> = warnings.into_iter().map(|w| w.what).collect();
     assert_eq!(
         lines,
         [
@@ -218,9 +223,9 @@ fn documents_of_another_kind() {
     let table: &[(&[u8], &str)] = &[
         (b"", "the input is empty: expected an SVG, which begins with <, or a JSON scene, with {"),
         (b"\xef\xbb\xbf \r\n\t ", "the input is empty: expected an SVG, which begins with <, or a JSON scene, with {"),
-        (b"hello", "the input is neither: expected an SVG, which begins with <, or a JSON scene, with {"),
-        (b"[1]", "the input is neither: expected an SVG, which begins with <, or a JSON scene, with {"),
-        (b"%PDF-1.7", "the input is neither: expected an SVG, which begins with <, or a JSON scene, with {"),
+        (b"hello", "neither a drawing nor a scene: expected an SVG, which begins with <, or a JSON scene, with {"),
+        (b"[1]", "neither a drawing nor a scene: expected an SVG, which begins with <, or a JSON scene, with {"),
+        (b"%PDF-1.7", "neither a drawing nor a scene: expected an SVG, which begins with <, or a JSON scene, with {"),
         (b"\xff\xfe<\0s\0", "the document is UTF-16: save it as UTF-8"),
         (b"<\0s\0", "the document is UTF-16: save it as UTF-8"),
         (b"\xfe\xff\0<", "the document is UTF-16: save it as UTF-8"),

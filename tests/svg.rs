@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use runset::error::{Error, Kind, Warning};
+use runset::error::{Error, Kind, Place, Warning};
 use runset::scene::{Area, Expression, Gate, Limits, Picture, Scene};
 use runset::shape::{FillRule, Transform};
 
@@ -219,6 +219,21 @@ fn layers_are_flat_colours_in_painting_order() {
 }
 
 #[test]
+fn warnings_stand_in_the_order_of_the_document_with_their_places() {
+    let inside =
+        "\n<g id='ä'><rect width='9' height='9' stroke='red'/>\r\n  <text>x</text></g><!-- é --><text id='t'>x</text>\n<a id='t'/>";
+    let (_, warnings) = read(svg(inside)).unwrap();
+    let lines: Vec<_> = warnings.iter().map(|w| (w.place.map(|p| (p.line, p.column)), w.what.as_str())).collect();
+    let expected = [
+        (Some((2, 1)), "an element in \"ä\": strokes are not drawn yet"),
+        (Some((3, 3)), "an element in \"ä\": text is not drawn yet"),
+        (Some((3, 31)), "\"t\": text is not drawn yet"),
+        (Some((4, 1)), "\"t\": this id stands more than once: the first counts"),
+    ];
+    assert_eq!(lines, expected);
+}
+
+#[test]
 fn what_is_not_drawn_is_warned_about_once_with_its_id() {
     let table: &[(&str, &[&str])] = &[
         (r#"<rect id="a" width="5" height="5"/>"#, &[]),
@@ -277,6 +292,7 @@ fn what_is_not_drawn_is_warned_about_once_with_its_id() {
         assert_eq!(warnings(inside), *expected, "{inside}");
     }
     let (_, warnings) = read(format!("<?xml-stylesheet href='a.css'?>{}", svg(""))).unwrap();
+    assert_eq!(warnings[0].place, Some(Place { line: 1, column: 1 }));
     assert_eq!(warnings[0].what, "an element without an id: the style sheet \"href='a.css'\" is outside the document and not read");
 }
 

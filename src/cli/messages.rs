@@ -141,9 +141,10 @@ fn help_command() -> String {
     }
 }
 
-/// An error of the system without its number.
+/// An error of the system without its number, and without the temporary file's name that may be wrapped around it.
 pub fn reason(error: &io::Error) -> String {
-    without_number(&error.to_string())
+    let cause = std::error::Error::source(error).map(ToString::to_string);
+    without_number(&cause.unwrap_or_else(|| error.to_string()))
 }
 
 /// Text up to ` (os error N)`; behind it some libraries repeat the path.

@@ -11,6 +11,8 @@
 mod ndjson;
 mod rls;
 
+pub(super) use rls::MAGIC as RLS;
+
 use std::io::BufRead;
 use std::ops::Range;
 
@@ -53,6 +55,7 @@ impl<'i> LineReader<'i> {
                 let raster = reader.header()?;
                 (Source::Rls(reader), raster)
             }
+            Some(b'<') => return Err(malformed("not a line stream; an SVG is drawn by runset fill")),
             Some(_) => return Err(malformed("not a line stream: neither ndjson nor rls begins like this")),
             None => return Err(malformed("the input is empty; a line stream, ndjson or rls, was expected")),
         };

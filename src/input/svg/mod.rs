@@ -54,10 +54,11 @@ fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<
     references::check(&xml, limits)?;
     numbers::check(&xml)?;
     let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
-    let mut notes = Notes::new(warnings);
-    notes.read(&xml);
+    let mut notes = Notes::read(&xml);
     let walked = tree::walk(&drawing, limits, &mut notes)?;
-    names::add(walked, &xml, limits, &mut notes)
+    let scene = names::add(walked, &xml, limits, &mut notes)?;
+    warnings.append(&mut notes.warnings(text));
+    Ok(scene)
 }
 
 /// Options under which `usvg` opens no file, asks for no font and draws no image.
