@@ -132,7 +132,7 @@ impl<'a, 'i> Graph<'a, 'i> {
             _ => 0,
         };
         for (property, setter) in self.setter[node.id().get_usize()].iter().enumerate().take(inherited) {
-            let markers = if MARKERS.contains(&property) { vertices(node) } else { 0 };
+            let markers = if MARKERS.contains(&property) { vertices(node) + 4 } else { 0 };
             let references = setter.iter().flat_map(|&s| own(s)).filter(|r| r.property == property);
             edges.extend(references.map(|r| Edge { to: r.to, markers }));
         }
@@ -145,20 +145,21 @@ impl<'a, 'i> Graph<'a, 'i> {
             node: Node<'a, 'i>,
             edges: Vec<Edge>,
             size: u64,
+            vertices: u64,
             depth: u32,
         }
         #[derive(Clone, Copy)]
         enum Seen {
             Not,
             OnTheWay,
-            Whole { size: u64, depth: u32 },
+            Whole { size: u64, vertices: u64, depth: u32 },
         }
-        let step = |node| Step { node, edges: self.edges(node), size: 1, depth: 0 };
+        let step = |node| Step { node, edges: self.edges(node), size: 1, vertices: vertices(node), depth: 0 };
         let mut seen = vec![Seen::Not; self.setter.len()];
         let mut way = vec![step(self.xml.root_element())];
         while let Some(here) = way.last_mut() {
             let Some(&edge) = here.edges.last() else {
-                seen[here.node.id().get_usize()] = Seen::Whole { size: here.size, depth: here.depth };
+                seen[here.node.id().get_usize()] = Seen::Whole { size: here.size, vertices: here.vertices, depth: here.depth };
                 way.pop();
                 continue;
             };
@@ -176,8 +177,9 @@ impl<'a, 'i> Graph<'a, 'i> {
                     let what = format!("<{tag}> {id} is drawn within itself, through what it refers to: break the circle");
                     return Err(at(to, Kind::Refused, what));
                 }
-                Seen::Whole { size, depth } => {
+                Seen::Whole { size, vertices, depth } => {
                     here.size = here.size.saturating_add(size.saturating_mul(edge.markers.max(1)));
+                    here.vertices = here.vertices.saturating_add(vertices.saturating_mul(edge.markers.max(1)));
                     here.depth = here.depth.max(depth + 1);
                 }
             }
@@ -186,9 +188,11 @@ impl<'a, 'i> Graph<'a, 'i> {
                 let what = format!("elements more than {DEEPEST} deep, references followed: shorten the chain");
                 return Err(at(here.node, Kind::Limit, what));
             }
-            if here.size > limits.nodes {
-                let what = format!("more than {} elements when all references are written out: use fewer", limits.nodes);
-                return Err(at(here.node, Kind::Limit, what));
+            for (count, limit, what) in [(here.size, limits.nodes, "elements"), (here.vertices, limits.edges, "vertices")] {
+                if count > limit {
+                    let what = format!("more than {limit} {what} when all references are written out: use fewer");
+                    return Err(at(here.node, Kind::Limit, what));
+                }
             }
         }
         Ok(())
@@ -203,9 +207,9 @@ struct Edge {
     markers: u64,
 }
 
-/// An upper bound of the number of vertices of a shape, from the length of its text.
+/// An upper bound of the number of vertices that are written out for a shape, from the length of its text.
 fn vertices(node: Node<'_, '_>) -> u64 {
-    attribute(node, "d").or(attribute(node, "points")).map_or(0, str::len) as u64 / 2 + 4
+    attribute(node, "d").or(attribute(node, "points")).map_or(0, str::len) as u64 / 2
 }
 
 /// The ids in the `url(#id)` of a value.
