@@ -1,7 +1,7 @@
 //! The sweep: scanline after scanline, the active edges in the order of their columns.
 //!
 //! Edges come in chains: edges of one tag that follow each other downwards without a gap. Chains are sorted by their first
-//! scanline (the y-entry lists of paper 000, section 2.1.2, laid end to end, so that no array is as long as the page); the active
+//! scanline (the y-entry lists of "CSG" in ARCHITECTURE.md, section 2.1.2, laid end to end, so that no array is as long as the page); the active
 //! list takes those that begin, drops those that end, and steps the others, all in integers. Where an edge ends and its chain goes on, the
 //! next edge takes its place in the list: that is no event, so finer flattening causes none.
 //!

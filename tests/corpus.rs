@@ -1,9 +1,9 @@
 //! Every file of the fuzzers' corpora through its door, within a second each.
 
+mod clock;
 mod doors;
 
 use std::path::Path;
-use std::time::Instant;
 
 #[test]
 fn corpora_pass_their_doors() {
@@ -13,9 +13,9 @@ fn corpora_pass_their_doors() {
         for entry in std::fs::read_dir(&folder).unwrap() {
             let path = entry.unwrap().path();
             let bytes = std::fs::read(&path).unwrap();
-            let start = Instant::now();
+            let start = clock::cpu();
             door(&bytes);
-            assert!(start.elapsed().as_secs_f64() < 1.0, "{} took {:?}", path.display(), start.elapsed());
+            assert!((clock::cpu() - start).as_secs_f64() < 1.0, "{} took {:?}", path.display(), clock::cpu() - start);
             files += 1;
         }
         assert!(files > 0, "{} is empty", folder.display());

@@ -1,6 +1,6 @@
 //! JSON scenes: what they become, and the line that refuses what they must not be.
 
-use std::time::Instant;
+mod clock;
 
 use runset::error::{Error, Kind, Origin, Place, Warning};
 use runset::scene::{Area, Gate, Limits, Picture, Scene};
@@ -300,9 +300,9 @@ fn past_the_limits() {
 #[test]
 fn a_bomb_stops_at_the_limit() {
     let bomb = gzip(&vec![b' '; 300 << 20]);
-    let start = Instant::now();
+    let start = clock::cpu();
     assert_eq!(read(bomb).unwrap_err().kind, Kind::Limit);
-    assert!(start.elapsed().as_secs_f64() < 2.0, "{:?}", start.elapsed());
+    assert!((clock::cpu() - start).as_secs_f64() < 2.0, "{:?}", clock::cpu() - start);
 }
 
 /// Truncations, flipped bytes and hostile shapes: a scene or one line, quickly.
@@ -361,9 +361,9 @@ fn hostile_scenes_end_within_two_seconds() {
         with(&format!(r#""a":{{"path":"M0 0{}"}}"#, "a1 1 0 1 1 1 1".repeat(N)), r#""expr":"b""#),
     ];
     for text in cases {
-        let start = Instant::now();
+        let start = clock::cpu();
         let result = read(&text);
-        assert!(start.elapsed().as_secs_f64() < 2.0, "{}… took {:?}", &text[..40], start.elapsed());
+        assert!((clock::cpu() - start).as_secs_f64() < 2.0, "{}… took {:?}", &text[..40], clock::cpu() - start);
         if let Err(e) = result {
             assert!(e.to_string().chars().count() < 800);
         }

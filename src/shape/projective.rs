@@ -1,7 +1,7 @@
 //! Paths under a homography: polygons that may pass through infinity.
 //!
 //! A point (x, y) becomes (X, Y, w) = M (x, y, 1), a pixel (X / w, Y / w). Where w changes its sign along an edge the edge leaves the page through
-//! infinity and returns on the other side. Paper 004, section 3, displays such a figure in two passes: the part with positive weight, and
+//! infinity and returns on the other side. "Niizeki" in ARCHITECTURE.md, section 3, displays such a figure in two passes: the part with positive weight, and
 //! the part with negative weight with all signs turned. Each pass clips every ring at a line of constant weight (Sutherland and Hodgman's way, which
 //! keeps winding numbers on the side that is kept), and what it leaves is an ordinary ring.
 //!

@@ -86,7 +86,7 @@ fn help_and_version_are_answers() {
 }
 
 #[test]
-fn every_option_of_the_contract_is_in_the_help() {
+fn every_promised_option_is_in_the_help() {
     let ran = Folder::new().run("fill --help");
     let text = String::from_utf8(ran.done().to_vec()).unwrap();
     for option in [

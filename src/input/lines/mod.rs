@@ -1,4 +1,4 @@
-//! Reader of line streams: ndjson (contract: header, records, end record) and rls (`docs/rls.md`), told by the first byte.
+//! Reader of line streams: ndjson (header, records, end record) and rls (`docs/rls.md`), told by the first byte.
 //!
 //! One record is held at a time, whatever the stream's length. A stream is taken at its word only where the word has been
 //! checked: width, lines and inks are within their limits, runs are sorted, apart and within the width (so there are never more
