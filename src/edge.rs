@@ -17,8 +17,8 @@ use crate::count::Node;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{self, Point, SUB};
 use crate::line::{Line, far};
-use crate::shape::Shape;
-use crate::shape::flatten::{self, Flattening};
+use crate::shape::flatten::Flattening;
+use crate::shape::{Shape, Transform, Verb};
 use crate::sweep::{Edge, Edges};
 
 /// What an edge does to the winding of its shape when it is crossed from left to right.
@@ -84,12 +84,40 @@ impl Builder {
     /// Adds the edges of a shape, counted for `leaf`.
     ///
     /// # Errors
-    /// Coordinates past what a double holds; too many edges.
+    /// Coordinates past what a double holds; too many edges or dashes; a stroke under a homography.
     pub fn add(&mut self, shape: &Shape, leaf: Node) -> Result<()> {
         let transform = shape.transform.then_place(self.placement.scale, self.placement.offset);
         let window = [0.0, 0.0, f64::from(self.width), f64::from(self.height)];
         let how = Flattening { tolerance: self.tolerance, window };
-        flatten::rings(&shape.path, &transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
+        shape.rings(&transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))
+    }
+
+    /// Whether a shape is a rectangle that holds all pixel centres of the page, such as the frame that drawing programs clip everything to.
+    pub fn holds_page(&self, shape: &Shape) -> bool {
+        let (points, verbs) = (shape.path.points(), shape.path.verbs());
+        let lines = verbs.strip_suffix(&[Verb::Close]).unwrap_or(verbs);
+        let four = matches!(lines, [Verb::Move, Verb::Line, Verb::Line, Verb::Line]);
+        let five = matches!(lines, [Verb::Move, Verb::Line, Verb::Line, Verb::Line, Verb::Line]) && points[0] == points[4];
+        let Transform::Affine([a, b, c, d, e, f]) = shape.transform.then_place(self.placement.scale, self.placement.offset) else {
+            return false;
+        };
+        if shape.stroke.is_some() || (!four && !five) {
+            return false;
+        }
+        let corner = |[x, y]: Point| grid::snap_point([a * x + c * y + e, b * x + d * y + f]);
+        let [p, q, r, s] = [0, 1, 2, 3].map(|i| corner(points[i]));
+        let upright = |i: usize, j: usize| p[i] == q[i] && q[j] == r[j] && r[i] == s[i] && s[j] == p[j];
+        let [width, height] = [self.width, self.height].map(f64::from);
+        (upright(0, 1) || upright(1, 0))
+            && p[0].min(r[0]) <= 0.5
+            && p[1].min(r[1]) <= 0.5
+            && p[0].max(r[0]) > width - 0.5
+            && p[1].max(r[1]) > height - 0.5
+    }
+
+    /// Counts the edges of a rectangle that holds the page, which take no part in anything.
+    pub fn skip_rectangle(&mut self) {
+        self.seen += 4;
     }
 
     /// The edges, sorted; whether windings stay open at the right end of scanlines; and how many edges were seen before any was dropped.

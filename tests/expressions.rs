@@ -5,7 +5,7 @@ mod clock;
 use proptest::prelude::*;
 use runset::error::{Error, Warning};
 use runset::scene::{Area, Expression, Gate, Limits, Named, Scene};
-use runset::shape::{FillRule, Path, Shape, Transform};
+use runset::shape::{Path, Shape};
 
 /// A scene with a triangle for every id, and one empty shape `empty`.
 fn scene(ids: &[&str]) -> Scene {
@@ -16,11 +16,11 @@ fn scene(ids: &[&str]) -> Scene {
         if id != "empty" {
             path.ring(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
         }
-        let shape = Shape { name: id.to_owned(), path, rule: FillRule::NonZero, transform: Transform::IDENTITY };
+        let shape = Shape::new(id, path);
         let area = scene.add_shape(shape);
         areas.push(area);
         let i = i as u32;
-        assert!(scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: i..i + 1, depth: 0 }));
+        assert!(scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 }));
     }
     scene.art = scene.formula.any(&areas);
     scene

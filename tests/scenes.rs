@@ -34,7 +34,7 @@ fn everything_that_a_scene_can_say() {
     "##;
     let (scene, warnings) = read(text).unwrap();
     assert_eq!((scene.width, scene.height, warnings.len()), (30.0, 20.0, 0));
-    let ids: Vec<_> = scene.names().iter().map(|n| (n.id.as_str(), n.kind, n.depth, n.shapes.clone())).collect();
+    let ids: Vec<_> = scene.names().iter().map(|n| (n.id.as_str(), n.kind, n.depth, n.shapes[0].clone())).collect();
     assert_eq!(ids, [("a", "shape", 0, 0..1), ("b \"é\"", "shape", 0, 1..2), ("c", "shape", 0, 2..3)]);
 
     let a = &scene.shapes[0];

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
-use runset::error::{Error, Kind, Origin, Warning};
+use runset::error::{Error, Kind, Origin};
 use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
 use runset::job::{Job, Options, Size, TOLERANCE};
 use runset::scene::Limits;
 
-use super::input::{Limit, Source};
+use super::input::{FontOptions, Limit, Source};
 use super::messages::{Ends, Failure, tell};
 use super::output::{Output, Target};
 use super::progress::{Progress, Watch};
@@ -67,13 +67,8 @@ pub struct Fill {
     #[arg(long, value_name = "PX", default_value_t = TOLERANCE, value_parser = values::tolerance, allow_negative_numbers = true)]
     tolerance: f64,
 
-    /// Font file for text, besides the built-in font; may be given several times
-    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
-    font: Vec<PathBuf>,
-
-    /// Use the system's fonts too; off by default, so that the same input gives the same picture everywhere
-    #[arg(long)]
-    system_fonts: bool,
+    #[command(flatten)]
+    fonts: FontOptions,
 
     /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1024), allow_negative_numbers = true)]
@@ -155,8 +150,9 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
         started,
     };
     let bytes = source.read(options.limits.input)?;
-    let mut warnings = args.unused();
-    let scene = runset::input::read(bytes, &options.limits, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let fonts = args.fonts.load(&args.limit)?;
+    let mut warnings = Vec::new();
+    let scene = runset::input::read_with(bytes, &options.limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
     let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
     ends.warn(&warnings, args.strict)?;
 
@@ -169,15 +165,4 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
         tell(&serde_json::to_string(&stats).expect("numbers under fixed names are JSON"));
     }
     Ok(())
-}
-
-impl Fill {
-    /// Warnings of options that have no effect yet.
-    fn unused(&self) -> Vec<Warning> {
-        let options = [("--font", !self.font.is_empty()), ("--system-fonts", self.system_fonts)];
-        let given = options.into_iter().filter(|(_, given)| *given);
-        let warning =
-            |(option, _)| Warning { origin: Origin::Parameter, ..Warning::input(format!("{option} has no effect: text is not drawn yet")) };
-        given.map(warning).collect()
-    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use runset::job::{Entry, Info, info};
 use runset::scene::{BUILT_IN, Limits};
 
-use super::input::{Limit, Source};
+use super::input::{FontOptions, Limit, Source};
 use super::messages::{Ends, Failure, print};
 use super::table::table;
 
@@ -16,8 +16,8 @@ Examples:
 
 /// Show the size of a drawing or a scene, and its ids with kind, bounds and edge count
 ///
-/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units, edges are
-/// counted at scale 1.
+/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units (px), sizes
+/// in mm too; edges are counted at scale 1. The ink is that of ids that are painted with a single one.
 #[derive(clap::Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Inspect {
@@ -28,6 +28,9 @@ pub struct Inspect {
     /// One JSON object instead of a table, ids as they are in the document
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    fonts: FontOptions,
 
     #[command(flatten)]
     limit: Limit,
@@ -43,9 +46,10 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let ends = Ends { input: &name, output: "<stdout>" };
     let limits = Limits { input: args.limit.max_input, ..Limits::default() };
     let bytes = source.read(limits.input)?;
+    let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();
-    let scene = runset::input::read(bytes, &limits, &mut warnings).map_err(|error| ends.failure(&error))?;
-    let info = info(&scene);
+    let scene = runset::input::read_with(bytes, &limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let info = info(&scene).map_err(|error| ends.failure(&error))?;
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
 }
@@ -58,17 +62,19 @@ fn describe(info: &Info) -> String {
     if info.ids.is_empty() {
         return size + "no ids\n";
     }
-    let heading = ["id", "kind", "left", "top", "right", "bottom", "edges"].map(str::to_owned);
+    let heading = ["id", "kind", "left", "top", "right", "bottom", "mm", "edges", "ink"].map(str::to_owned);
     let rows: Vec<_> = std::iter::once(heading).chain(info.ids.iter().map(row)).collect();
-    size + "\n" + &table(&rows, [false, false, true, true, true, true, true])
+    size + "\n" + &table(&rows, [false, false, true, true, true, true, true, true, false])
 }
 
-fn row(entry: &Entry) -> [String; 7] {
+fn row(entry: &Entry) -> [String; 9] {
     /// Deepest indentation.
     const DEEPEST: u32 = 12;
     let id = "  ".repeat(entry.depth.min(DEEPEST) as usize) + &quoted(&entry.id);
     let [left, top, right, bottom] = entry.bounds.map_or_else(|| ["-"; 4].map(str::to_owned), |bounds| bounds.map(number));
-    [id, entry.kind.to_owned(), left, top, right, bottom, entry.edges.to_string()]
+    let mm = entry.bounds_mm.map_or_else(|| "-".to_owned(), |[l, t, r, b]| format!("{} x {}", number(r - l), number(b - t)));
+    let ink = entry.ink.clone().unwrap_or_else(|| "-".to_owned());
+    [id, entry.kind.to_owned(), left, top, right, bottom, mm, entry.edges.to_string(), ink]
 }
 
 /// An id as an expression takes it; control characters, which would break the table, are replaced.
@@ -111,15 +117,23 @@ mod tests {
 
     #[test]
     fn a_document_is_described_as_a_tree() {
-        let entry = |id: &str, depth, bounds| Entry { id: id.to_owned(), kind: "path", depth, bounds, edges: 4 };
-        let ids = vec![entry("a", 0, Some([0.0, 1.0, 2.5, 1e12])), entry("b-c", 1, None)];
+        let entry = |id: &str, depth, bounds: Option<[f64; 4]>, ink: Option<&str>| Entry {
+            id: id.to_owned(),
+            kind: "path",
+            depth,
+            bounds,
+            bounds_mm: bounds.map(|b| b.map(|x| x / 2.0)),
+            edges: 4,
+            ink: ink.map(str::to_owned),
+        };
+        let ids = vec![entry("a", 0, Some([0.0, 1.0, 2.5, 1e12]), Some("#102030")), entry("b-c", 1, None, None)];
         let text = describe(&Info { width: 96.0, height: 48.0, ids });
         let expected = "\
 96.00 x 48.00 user units (25.40 x 12.70 mm)
 
-id       kind  left   top  right       bottom  edges
-a        path  0.00  1.00   2.50  1.000000e12      4
-  \"b-c\"  path     -     -      -            -      4
+id       kind  left   top  right       bottom                  mm  edges  ink
+a        path  0.00  1.00   2.50  1.000000e12  1.25 x 5.000000e11      4  #102030
+  \"b-c\"  path     -     -      -            -                   -      4  -
 ";
         assert_eq!(text, expected);
     }

@@ -5,6 +5,8 @@ use std::io::{self, Read};
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 
+use runset::input::Fonts;
+
 use super::messages::{Failure, reason};
 use super::values::show_bytes;
 
@@ -16,6 +18,36 @@ pub struct Limit {
     /// A larger document is refused without being read to its end.
     #[arg(long, value_name = "BYTES", default_value = "128M", value_parser = super::values::bytes)]
     pub max_input: u64,
+}
+
+/// The fonts that text is drawn with.
+#[derive(clap::Args)]
+pub struct FontOptions {
+    /// Font file for text, besides the built-in font; may be given several times
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    font: Vec<PathBuf>,
+
+    /// Use the system's fonts too; off by default, so that the same input gives the same picture everywhere
+    #[arg(long)]
+    system_fonts: bool,
+}
+
+impl FontOptions {
+    /// Reads the fonts, each at most as large as a document may be.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is no font.
+    pub fn load(&self, limit: &Limit) -> Result<Fonts, Failure> {
+        let mut fonts = Fonts::default();
+        for path in &self.font {
+            let source = Source::find(path)?;
+            fonts.add(source.read(limit.max_input)?).map_err(|error| Failure::at(source.name(), error))?;
+        }
+        if self.system_fonts {
+            fonts.add_system();
+        }
+        Ok(fonts)
+    }
 }
 
 /// An input that exists and has not been read.

@@ -1,10 +1,13 @@
 //! Readers of documents and of line streams. One file or folder a format; only the job calls them.
 
 mod arc;
+mod fonts;
 pub mod lines;
 mod path_data;
 mod scene;
 mod svg;
+
+pub use fonts::Fonts;
 
 use std::io::Read;
 
@@ -12,11 +15,19 @@ use crate::error::{Error, Kind, Result, Warning};
 use crate::scene::{Limits, Scene};
 use crate::shape::{Shape, Transform};
 
-/// Reads a document, whose kind is told by its first bytes: a JSON scene, an SVG, or either of them gzipped.
+/// Reads a document with the built-in font alone: [`read_with`].
+///
+/// # Errors
+/// Those of [`read_with`].
+pub fn read(bytes: Vec<u8>, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    read_with(bytes, limits, &Fonts::default(), warnings)
+}
+
+/// Reads a document, whose kind is told by its first bytes: a JSON scene, an SVG, or either of them gzipped. Text is drawn with `fonts`.
 ///
 /// # Errors
 /// The document is not what it should be, or past a limit. `warnings` receives what is drawn but not supported.
-pub fn read(bytes: Vec<u8>, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let bytes = if bytes.starts_with(GZIP) { gunzip(&bytes, limits)? } else { bytes };
     if bytes.len() as u64 > limits.input {
         return Err(too_large(limits));
@@ -28,7 +39,7 @@ pub fn read(bytes: Vec<u8>, limits: &Limits, warnings: &mut Vec<Warning>) -> Res
         [0xfe, 0xff, ..] | [0xff, 0xfe, ..] | [b'<', 0, ..] | [0, b'<', ..] => {
             Err(Error::input(Kind::Malformed, "the document is UTF-16: save it as UTF-8"))
         }
-        [b'<', ..] => svg::read(text, limits, warnings),
+        [b'<', ..] => svg::read(text, limits, fonts, warnings),
         start if start.starts_with(&lines::RLS) => {
             Err(Error::input(Kind::Malformed, "this is a line stream, not a drawing: read it with runset convert"))
         }

@@ -139,14 +139,15 @@ impl Job {
         }
 
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
-        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs);
+        let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
+        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| builder.holds_page(shape));
         let (inks, ink_of_layer) = distinct_inks(&layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
         }
-        let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         for (shape, leaf) in leaves {
-            builder.add(&scene.shapes[shape], leaf)?;
+            let shape = &scene.shapes[shape];
+            if builder.holds_page(shape) { builder.skip_rectangle() } else { builder.add(shape, leaf)? }
         }
         drop(scene);
         let (edges, open, seen) = builder.finish();

@@ -4,8 +4,14 @@ use super::{Area, Formula, Gate};
 use crate::count::{Node, Program, Rule};
 use crate::shape::{FillRule, Shape};
 
-/// The program whose output i is `outputs[i]`, and the shapes it needs with their leaves, in document order.
-pub fn compile(formula: &Formula, shapes: &[Shape], outputs: &[Area]) -> (Program, Vec<(usize, Node)>) {
+/// The program whose output i is `outputs[i]`, and the shapes it needs with their leaves, in document order. Leaves of shapes that are
+/// `everywhere` hold from the start, and wait for no crossing.
+pub fn compile(
+    formula: &Formula,
+    shapes: &[Shape],
+    outputs: &[Area],
+    everywhere: impl Fn(&Shape) -> bool,
+) -> (Program, Vec<(usize, Node)>) {
     const UNSEEN: Node = Node::MAX;
     let mut node_of = vec![UNSEEN; formula.gates().len()];
     let mut leaf_of = vec![UNSEEN; shapes.len()];
@@ -24,7 +30,9 @@ pub fn compile(formula: &Formula, shapes: &[Shape], outputs: &[Area]) -> (Progra
             Gate::Shape(shape) => {
                 let leaf = &mut leaf_of[*shape as usize];
                 if *leaf == UNSEEN {
-                    let rule = match shapes[*shape as usize].rule {
+                    let shape = &shapes[*shape as usize];
+                    let rule = match shape.rule {
+                        _ if everywhere(shape) => Rule::AtLeast(0),
                         FillRule::NonZero => Rule::NonZero,
                         FillRule::EvenOdd => Rule::Odd,
                     };

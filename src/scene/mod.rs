@@ -35,8 +35,10 @@ pub struct Named {
     pub kind: &'static str,
     /// The area.
     pub area: Area,
-    /// The shapes that it is made of directly or through its children, for bounds and edge counts.
-    pub shapes: std::ops::Range<u32>,
+    /// The shapes that it is made of directly or through its children, for edge counts; what it is cut to is not among them.
+    pub shapes: Vec<std::ops::Range<u32>>,
+    /// The ink that paints it; none if there is none, or several.
+    pub ink: Option<Rgb>,
     /// How deep it stands in the tree of names, from 0.
     pub depth: u32,
 }
@@ -124,8 +126,8 @@ impl Scene {
 
     /// Whether the area of that id paints nothing: no shape, or only shapes without an outline.
     pub fn is_empty(&self, id: &str) -> bool {
-        let shapes = self.named(id).map_or(0..0, |n| n.shapes.start as usize..n.shapes.end as usize);
-        self.shapes[shapes].iter().all(|s| s.path.verbs().is_empty())
+        let shapes = self.named(id).into_iter().flat_map(|n| n.shapes.iter().cloned().flatten());
+        shapes.into_iter().all(|i| self.shapes[i as usize].path.verbs().is_empty())
     }
 
     /// The area that an expression describes; new gates are added to the formula.

@@ -4,10 +4,13 @@
 //! reach the page are replaced by their chords: a curve and its chord on one side of the page leave the same windings on it, and a curve of
 //! a thousand kilometres costs what is seen of it.
 
+use std::ops::Range;
+
 use lyon_geom::{CubicBezierSegment, LineSegment, point};
 
 use super::projective;
 use super::{Path, Transform, Verb};
+use crate::error::Result;
 use crate::grid::Point;
 
 /// What is seen: left, top, right, bottom in pixels.
@@ -22,15 +25,15 @@ pub struct Flattening {
     pub window: Window,
 }
 
-/// Curves larger than this are halved before they are flattened, in pixels.
-const LARGE: f64 = 65_536.0;
+/// Curves larger than so many tolerances are halved before they are flattened.
+const LARGE: f64 = 655_360.0;
 
 /// Hands the rings of a path under a transform to `ring`, as points in pixels, not closed by a repeated point. A ring has at least one
 /// point. Points may be infinite or not a number where the transform overflows.
 ///
 /// # Errors
 /// The first that `ring` returns.
-pub fn rings<E>(path: &Path, transform: &Transform, how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<(), E>) -> Result<(), E> {
+pub(super) fn rings(path: &Path, transform: &Transform, how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
     match transform {
         Transform::Affine(matrix) => {
             let mut points = Vec::new();
@@ -44,7 +47,8 @@ pub fn rings<E>(path: &Path, transform: &Transform, how: &Flattening, mut ring: 
                         points.push(p);
                     }
                     Piece::Line(_, p) => points.push(p),
-                    Piece::Cubic(cubic) => flatten(cubic, how, &mut points),
+                    Piece::Cubic(cubic) => flatten(cubic, how, |_, _, p| points.push(p)),
+                    Piece::Close(..) => {}
                 }
             }
             if points.is_empty() { Ok(()) } else { ring(&points) }
@@ -53,7 +57,7 @@ pub fn rings<E>(path: &Path, transform: &Transform, how: &Flattening, mut ring: 
     }
 }
 
-fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
+pub(super) fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
     [a * x + c * y + e, b * x + d * y + f]
 }
 
@@ -64,6 +68,8 @@ pub(super) enum Piece {
     Start(Point),
     Line(Point, Point),
     Cubic([Point; 4]),
+    /// Back to where the ring began.
+    Close(Point, Point),
 }
 
 impl Piece {
@@ -72,6 +78,7 @@ impl Piece {
             Piece::Start(p) => Piece::Start(f(p)),
             Piece::Line(p, q) => Piece::Line(f(p), f(q)),
             Piece::Cubic(points) => Piece::Cubic(points.map(f)),
+            Piece::Close(p, q) => Piece::Close(f(p), f(q)),
         }
     }
 }
@@ -93,6 +100,7 @@ pub(super) fn pieces(path: &Path) -> impl Iterator<Item = Piece> {
                 pair[1] = Some(Piece::Start(at));
             }
             Verb::Close => {
+                pair[1] = open.then_some(Piece::Close(at, start));
                 at = start;
                 open = false;
             }
@@ -125,27 +133,26 @@ pub(super) fn pieces(path: &Path) -> impl Iterator<Item = Piece> {
     })
 }
 
-/// Appends the points of a curve behind its first.
-fn flatten(cubic: [Point; 4], how: &Flattening, points: &mut Vec<Point>) {
+/// Hands the points of a curve behind its first to `vertex`, each with a cubic and the part of it that the edge to the point stands for.
+pub(super) fn flatten(cubic: [Point; 4], how: &Flattening, mut vertex: impl FnMut(&[Point; 4], Range<f64>, Point)) {
     if !cubic.as_flattened().iter().all(|v| v.is_finite()) {
-        points.push(cubic[3]);
-        return;
+        return vertex(&cubic, 0.0..1.0, cubic[3]);
     }
     let mut stack = vec![cubic];
     while let Some(cubic) = stack.pop() {
         if beside(&cubic, &how.window) {
-            points.push(cubic[3]);
-        } else if size(&cubic) > LARGE {
+            vertex(&cubic, 0.0..1.0, cubic[3]);
+        } else if size(&cubic) > LARGE * how.tolerance {
             let (first, second) = halves(&cubic);
             stack.extend([second, first]);
         } else {
             let [from, ctrl1, ctrl2, to] = cubic.map(|[x, y]| point(x, y));
             let curve = CubicBezierSegment { from, ctrl1, ctrl2, to };
-            curve.for_each_flattened(how.tolerance, &mut |edge: &LineSegment<f64>| points.push([edge.to.x, edge.to.y]));
-            // The end is a vertex of the document: exactly it, whatever the flattening computed.
-            if let Some(last) = points.last_mut() {
-                *last = cubic[3];
-            }
+            curve.for_each_flattened_with_t(how.tolerance, &mut |edge: &LineSegment<f64>, part| {
+                // The end is a vertex of the document: exactly it, whatever the flattening computed.
+                let p = if part.end == 1.0 { cubic[3] } else { [edge.to.x, edge.to.y] };
+                vertex(&cubic, part, p);
+            });
         }
     }
 }
@@ -186,7 +193,7 @@ mod tests {
 
     fn points(path: &Path, transform: &Transform, how: Flattening) -> Vec<Vec<Point>> {
         let mut all = Vec::new();
-        let done: Result<(), ()> = rings(path, transform, &how, |ring| {
+        let done = rings(path, transform, &how, |ring| {
             all.push(ring.to_vec());
             Ok(())
         });
@@ -225,7 +232,7 @@ mod tests {
             for _ in 0..60 {
                 let cubic: [Point; 4] = std::array::from_fn(|_| [random(), random()]);
                 let mut polyline = vec![cubic[0]];
-                flatten(cubic, &Flattening { tolerance, window: everywhere }, &mut polyline);
+                flatten(cubic, &Flattening { tolerance, window: everywhere }, |_, _, p| polyline.push(p));
                 let far = worst(cubic, &polyline);
                 assert!(far <= tolerance * 1.001, "{far} > {tolerance}: {cubic:?}");
                 assert_eq!(polyline.last(), Some(&cubic[3]));

@@ -1,10 +1,17 @@
-//! Paths, fill rules and transforms: a shape before it meets the grid.
+//! Paths, fill rules, strokes and transforms: a shape before it meets the grid.
 //!
-//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`).
+//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`); `stroke.rs` does it for the
+//! line along a path, with `dashes.rs`.
 
+mod dashes;
 pub mod flatten;
 mod projective;
+mod stroke;
 
+pub use stroke::DASHES;
+
+use self::flatten::Flattening;
+use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
 
 /// Which windings are inside.
@@ -134,15 +141,65 @@ impl Transform {
     }
 }
 
-/// A filled path.
+/// The line along a path, as SVG describes it. Lengths are in the path's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Width; nothing is painted unless it is above 0.
+    pub width: f64,
+    /// At corners.
+    pub join: Join,
+    /// At the ends of open subpaths and of dashes.
+    pub cap: Cap,
+    /// Largest length of a miter, in widths, at least 1.
+    pub miter_limit: f64,
+    /// Lengths of dashes and gaps in turn; a solid line if there are none, if one is negative or if all are 0.
+    pub dashes: Vec<f64>,
+    /// How far into the pattern a subpath begins.
+    pub dash_offset: f64,
+}
+
+impl Stroke {
+    /// A solid line with SVG's defaults: miter joins up to 4 widths, butt caps.
+    pub fn new(width: f64) -> Stroke {
+        Stroke { width, join: Join::Miter, cap: Cap::Butt, miter_limit: 4.0, dashes: Vec::new(), dash_offset: 0.0 }
+    }
+}
+
+/// What fills the outer side of a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Join {
+    /// The edges extended until they meet; past the limit a bevel.
+    Miter,
+    /// The same; past the limit cut off there.
+    MiterClip,
+    /// An arc.
+    Round,
+    /// A straight line.
+    Bevel,
+}
+
+/// What stands at the ends of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cap {
+    /// Nothing.
+    Butt,
+    /// A half disc.
+    Round,
+    /// Half a square.
+    Square,
+}
+
+/// A filled path, or the line along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     /// For messages: the id of the element, or what stands for it.
     pub name: String,
     /// The outline.
     pub path: Path,
-    /// Which windings are inside.
+    /// Which windings are inside; of a stroke [`FillRule::NonZero`].
     pub rule: FillRule,
+    /// If there is one, the shape is this line along the path and not its inside.
+    pub stroke: Option<Stroke>,
     /// From the path's coordinates to user units of the page.
     pub transform: Transform,
 }
@@ -150,6 +207,21 @@ pub struct Shape {
 impl Shape {
     /// A path filled by the nonzero rule where it stands.
     pub fn new(name: impl Into<String>, path: Path) -> Shape {
-        Shape { name: name.into(), path, rule: FillRule::NonZero, transform: Transform::IDENTITY }
+        Shape { name: name.into(), path, rule: FillRule::NonZero, stroke: None, transform: Transform::IDENTITY }
+    }
+
+    /// Hands the rings of the outline under `transform` to `ring`, as points in pixels, not closed by a repeated point. A ring has at least
+    /// one point. Points may be infinite or not a number where the transform overflows.
+    ///
+    /// # Errors
+    /// A stroke of more than [`DASHES`], or under a homography; the first that `ring` returns.
+    pub fn rings(&self, transform: &Transform, how: &Flattening, ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
+        match (&self.stroke, transform) {
+            (None, _) => flatten::rings(&self.path, transform, how, ring),
+            (Some(stroke), Transform::Affine(matrix)) => stroke::rings(&self.path, stroke, matrix, how, &self.name, ring),
+            (Some(_), Transform::Projective(_)) => {
+                Err(Error::input(Kind::Refused, format!("\"{}\": a stroke under a homography: draw its outline", self.name)))
+            }
+        }
     }
 }

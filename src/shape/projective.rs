@@ -16,6 +16,7 @@
 
 use super::Path;
 use super::flatten::{Flattening, Piece, Window, beside, halves, pieces};
+use crate::error::Result;
 use crate::grid::Point;
 
 /// A point with its weight.
@@ -25,10 +26,10 @@ type Weighted = [f64; 3];
 const DEPTH: u32 = 24;
 
 /// As [`super::flatten::rings`], under a homography given row by row.
-pub(super) fn rings<E>(path: &Path, matrix: &[f64; 9], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<(), E>) -> Result<(), E> {
+pub(super) fn rings(path: &Path, matrix: &[f64; 9], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
     let horizon = least_weight(matrix, &how.window) / 16.0;
     let mut points = Vec::new();
-    let mut emit = |points: &[Weighted]| -> Result<(), E> {
+    let mut emit = |points: &[Weighted]| -> Result<()> {
         for sign in [1.0, -1.0] {
             let mut seen = clip(points, sign, horizon);
             if sign < 0.0 {
@@ -50,6 +51,7 @@ pub(super) fn rings<E>(path: &Path, matrix: &[f64; 9], how: &Flattening, mut rin
             }
             Piece::Line(_, p) => points.push(weigh(matrix, p)),
             Piece::Cubic(cubic) => flatten(cubic.map(|p| weigh(matrix, p)), how, horizon, &mut points),
+            Piece::Close(..) => {}
         }
     }
     emit(&points)

@@ -164,12 +164,8 @@ fn progress_is_for_terminals_unless_asked_for() {
 }
 
 #[test]
-fn options_that_have_no_effect_say_so() {
-    let ran = Folder::new().run("fill scene.json --format pbm --font a.ttf --font b.ttf --system-fonts");
-    assert_eq!((ran.status, ran.stdout.as_slice()), (Some(0), PBM));
-    let lines = "runset: warning: --font has no effect: text is not drawn yet\n\
-                 runset: warning: --system-fonts has no effect: text is not drawn yet\n";
-    assert_eq!(ran.stderr, lines);
+fn a_font_that_is_not_there_is_refused() {
+    Folder::new().run("fill scene.json --format pbm --font a.ttf").refused(1, "a.ttf: cannot read: No such file or directory");
 }
 
 #[test]
@@ -191,13 +187,16 @@ fn a_line_stream_becomes_any_format() {
 fn info_is_a_table_or_an_object() {
     let folder = Folder::new();
     let table = "16.00 x 10.00 user units (4.23 x 2.65 mm)\n\n\
-                 id  kind   left   top  right  bottom  edges\n\
-                 a   shape  1.00  1.00   9.00    9.00      4\n\
-                 b   shape  5.00  1.00  13.00    9.00      4\n";
+                 id  kind   left   top  right  bottom           mm  edges  ink\n\
+                 a   shape  1.00  1.00   9.00    9.00  2.12 x 2.12      4  -\n\
+                 b   shape  5.00  1.00  13.00    9.00  2.12 x 2.12      4  -\n";
     assert_eq!(String::from_utf8_lossy(folder.run("info scene.json").done()), table);
     let ran = feed(folder.runset("info - --json"), SCENE.as_bytes());
     let object: serde_json::Value = serde_json::from_slice(ran.done()).unwrap();
-    let entry = |id: &str, bounds: [f64; 4]| serde_json::json!({"id": id, "kind": "shape", "depth": 0, "bounds": bounds, "edges": 4});
+    let entry = |id: &str, bounds: [f64; 4]| {
+        let mm = bounds.map(|x| x * (25.4 / 96.0));
+        serde_json::json!({"id": id, "kind": "shape", "depth": 0, "bounds": bounds, "bounds_mm": mm, "edges": 4, "ink": null})
+    };
     let ids = [entry("a", [1.0, 1.0, 9.0, 9.0]), entry("b", [5.0, 1.0, 13.0, 9.0])];
     assert_eq!(object, serde_json::json!({"width": 16.0, "height": 10.0, "ids": ids}));
 }

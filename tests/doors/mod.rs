@@ -8,7 +8,7 @@ use std::io::BufRead;
 use runset::error::{Error, Result, Warning};
 use runset::input::lines::LineReader;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
-use runset::shape::{FillRule, Path, Shape, Transform};
+use runset::shape::{Path, Shape, Transform};
 
 /// What takes bytes from outside.
 type Door = fn(&[u8]);
@@ -22,9 +22,9 @@ pub fn expression(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let mut scene = Scene::new(9.0, 9.0);
     for (i, id) in (0..).zip(["a", "b", "c-d"]) {
-        let shape = Shape { name: id.to_owned(), path: Path::default(), rule: FillRule::NonZero, transform: Transform::IDENTITY };
+        let shape = Shape::new(id, Path::default());
         let area = scene.add_shape(shape);
-        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: i..i + 1, depth: 0 });
+        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 });
     }
     let mut warnings = Vec::new();
     let area = Expression::parse(text, &limits()).and_then(|e| scene.resolve(&e, &mut warnings));
@@ -67,7 +67,7 @@ fn document(bytes: &[u8]) {
         assert!(shape.path.points().iter().flatten().chain(&numbers).all(|x| x.is_finite()), "{}", shape.name);
     }
     for name in scene.names() {
-        assert!(name.shapes.start <= name.shapes.end && name.shapes.end as usize <= scene.shapes.len());
+        assert!(name.shapes.iter().all(|r| r.start < r.end && r.end as usize <= scene.shapes.len()));
         whole(&scene, name.area);
     }
     whole(&scene, scene.art);

@@ -39,7 +39,7 @@ impl<'de> Visitor<'de> for Shapes<'_, '_> {
             shape.name.clone_from(&id);
             let index = u32::try_from(reader.scene.shapes.len()).map_err(A::Error::custom)?;
             let area = reader.scene.add_shape(shape);
-            reader.scene.add_name(Named { id, kind: "shape", area, shapes: index..index + 1, depth: 0 });
+            reader.scene.add_name(Named { id, kind: "shape", area, shapes: vec![index..index + 1], ink: None, depth: 0 });
         }
         reader.within.clear();
         Ok(())
@@ -87,6 +87,7 @@ impl<'de> Visitor<'de> for OneShape<'_, '_> {
             name: String::new(),
             path: path.ok_or_else(|| A::Error::custom("no outline: give rings or path"))?,
             rule: rule.unwrap_or_default(),
+            stroke: None,
             transform: transform.unwrap_or(Transform::IDENTITY),
         })
     }

@@ -1,18 +1,22 @@
-//! SVG, plain: filled paths and basic shapes with their ids, groups, transforms and fill rules.
+//! SVG: what is painted, fills, strokes and text, as shapes with their ids.
 //!
-//! Three steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
-//! choke on or silently leave out; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers. Ids come from
-//! the XML ([`names`]), because `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on
-//! the way, each with the element's id ([`notes`]).
+//! Four steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
+//! choke on or silently leave out; [`tags`] marks elements whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
+//! it gives into shapes, areas and layers, with [`cut`] for clip paths and masks. Ids come from the XML ([`names`]), because
+//! `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on the way, each with the element's id
+//! ([`notes`]).
 //!
 //! Nothing outside the document is ever opened.
 
+mod cut;
 mod markup;
 mod names;
 mod notes;
 mod numbers;
 mod references;
 mod style;
+mod tags;
+mod text;
 mod tree;
 
 use std::thread;
@@ -20,7 +24,9 @@ use std::thread;
 use usvg::roxmltree;
 
 use self::notes::Notes;
+use self::tags::Tags;
 use crate::error::{Error, Kind, Place, Result, Warning};
+use crate::input::fonts::{self, Fonts};
 use crate::scene::{Limits, Scene};
 
 /// Stack for `usvg`, which recurses on nested elements: enough for [`references::DEEPEST`], wherever this is called from.
@@ -31,40 +37,56 @@ const STACK: usize = 64 << 20;
 /// # Errors
 /// With the place where there is one: what is not XML or not SVG, circular references, more than the limits allow, coordinates out
 /// of range.
-pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
+pub(super) fn read(bytes: &[u8], limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
     let text = std::str::from_utf8(bytes)
         .map_err(|e| Error::input(Kind::Malformed, "the document is not UTF-8: save it as UTF-8").at_byte(bytes, e.valid_up_to()))?;
     markup::check(text, limits)?;
     thread::scope(|scope| {
-        let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, warnings));
+        let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, fonts, warnings));
         let reader = reader.map_err(|e| Error::input(Kind::Io, format!("no thread to read the SVG on: {e}")))?;
         // A panic there is a fault of a library; here it is an error like others.
         reader.join().unwrap_or_else(|_| Err(Error::input(Kind::Malformed, "the SVG library fails on this document: simplify it")))
     })
 }
 
-fn document(text: &str, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    let xml = roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))?;
+fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let xml = parsed(text)?;
     let root = xml.root_element();
     if !is_svg(root) || root.tag_name().name() != "svg" {
         let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
-    references::check(&xml, limits)?;
+    let styles = references::check(&xml, limits)?;
     numbers::check(&xml)?;
-    let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg()).map_err(|e| svg_error(&e))?;
     let mut notes = Notes::read(&xml);
-    let walked = tree::walk(&drawing, limits, &mut notes)?;
-    let scene = names::add(walked, &xml, limits, &mut notes)?;
+    let tagged = tags::rewrite(&xml, &styles, &mut notes);
+    drop(styles);
+    let scene = if let Some((text, tags)) = tagged {
+        drop(xml);
+        resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)?
+    } else {
+        resolved(&xml, &Tags::default(), limits, fonts, &mut notes)?
+    };
     warnings.append(&mut notes.warnings(text));
     Ok(scene)
 }
 
-/// Options under which `usvg` opens no file, asks for no font and draws no image.
-fn options_of_usvg() -> usvg::Options<'static> {
+fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))
+}
+
+/// The scene of a document that has been looked through.
+fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, fonts: &Fonts, notes: &mut Notes) -> Result<Scene> {
+    let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
+    let walked = tree::walk(&drawing, tags, limits, notes)?;
+    names::add(walked, xml, limits, notes)
+}
+
+/// Options under which `usvg` opens no file but the given fonts', and draws no image.
+fn options_of_usvg(fonts: &Fonts) -> usvg::Options<'static> {
     let nothing = usvg::ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) };
-    usvg::Options { image_href_resolver: nothing, ..Default::default() }
+    usvg::Options { image_href_resolver: nothing, font_family: fonts::BUILT_IN.to_owned(), fontdb: fonts.0.clone(), ..Default::default() }
 }
 
 /// Whether an element is SVG's own; those without any namespace count, as `usvg` has it.

@@ -3,6 +3,7 @@
 //! An id that nothing drawn carries becomes an empty shape, so that an expression can name it, with a warning.
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use usvg::roxmltree::Document;
 
@@ -10,12 +11,13 @@ use super::notes::{Element, Notes};
 use super::tree::{Drawn, Walked};
 use super::{attribute, is_svg};
 use crate::error::{Error, Kind, Result};
-use crate::scene::{Limits, Named, Scene};
+use crate::run::Rgb;
+use crate::scene::{Area, Formula, Limits, Named, Scene};
 
 /// Gives the areas of a walked drawing the ids of the document.
-pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes: &mut Notes<'_>) -> Result<Scene> {
-    let Walked { mut scene, mut drawn } = walked;
-    let everything = Drawn { area: scene.art, shapes: 0..scene.shapes.len() as u32 };
+pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes: &mut Notes) -> Result<Scene> {
+    let Walked { mut scene, mut drawn, paints } = walked;
+    let everything = Drawn { area: scene.art, paints: 0..paints.len(), more: Vec::new() };
     if let Some(id) = attribute(xml.root_element(), "id") {
         drawn.insert(id, everything);
     }
@@ -26,9 +28,12 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + u32::from(named(p).is_some()));
         depths.push(depth);
         let Some(id) = named(node) else { continue };
-        let found = drawn.get(id).cloned().unwrap_or(Drawn { area: nothing, shapes: 0..0 });
+        let (area, shapes, ink) = match drawn.get(id) {
+            Some(drawn) => (whole(drawn, &mut scene.formula), shapes(drawn, &paints), ink(drawn, &paints)),
+            None => (nothing, Vec::new(), None),
+        };
         let kind = kind(node.tag_name().name());
-        if !scene.add_name(Named { id: id.to_owned(), kind, area: found.area, shapes: found.shapes, depth }) && twice.insert(id) {
+        if !scene.add_name(Named { id: id.to_owned(), kind, area, shapes, ink, depth }) && twice.insert(id) {
             notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
         }
         if (scene.names().len() + scene.shapes.len()) as u64 > limits.nodes {
@@ -36,6 +41,33 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         }
     }
     Ok(scene)
+}
+
+/// All the places where an element is drawn, as one area.
+fn whole(drawn: &Drawn, formula: &mut Formula) -> Area {
+    if drawn.more.is_empty() {
+        return drawn.area;
+    }
+    let places: Vec<Area> = drawn.places().map(|(area, _)| area).collect();
+    formula.any(&places)
+}
+
+/// The shapes that paint an element.
+fn shapes(drawn: &Drawn, paints: &[(u32, Rgb)]) -> Vec<Range<u32>> {
+    let mut ranges: Vec<Range<u32>> = Vec::new();
+    for &(shape, _) in drawn.places().flat_map(|(_, range)| &paints[range]) {
+        match ranges.last_mut() {
+            Some(last) if last.end == shape => last.end += 1,
+            _ => ranges.push(shape..shape + 1),
+        }
+    }
+    ranges
+}
+
+/// The ink of an element, if it is of one colour.
+fn ink(drawn: &Drawn, paints: &[(u32, Rgb)]) -> Option<Rgb> {
+    let mut inks = drawn.places().flat_map(|(_, range)| &paints[range]).map(|p| p.1);
+    inks.next().filter(|&first| inks.all(|ink| ink == first))
 }
 
 /// The id of an element of SVG.

@@ -9,9 +9,9 @@ use crate::error::{Places, Warning};
 use crate::scene::quoted;
 
 /// Gathers warnings.
-pub(super) struct Notes<'x> {
+pub(super) struct Notes {
     /// Where the elements with ids begin, in bytes; of equal ids the first.
-    starts: HashMap<&'x str, usize>,
+    starts: HashMap<String, usize>,
     /// Where the element begins that a note is about, if that is known.
     notes: Vec<(Option<usize>, String)>,
     given: HashSet<(String, String)>,
@@ -41,12 +41,12 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
     named.next().unwrap_or(Element { id: "", own: false })
 }
 
-impl<'x> Notes<'x> {
-    /// Notes what `usvg` leaves out without a word: text, images, and whatever stands outside the document.
-    pub(super) fn read(xml: &'x Document<'_>) -> Notes<'x> {
+impl Notes {
+    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
+    pub(super) fn read(xml: &Document<'_>) -> Notes {
         let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
         let mut starts = HashMap::new();
-        ids.for_each(|(id, start)| _ = starts.entry(id).or_insert(start));
+        ids.for_each(|(id, start)| _ = starts.entry(id.to_owned()).or_insert(start));
         let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new() };
         notes.look(xml);
         notes
@@ -101,7 +101,6 @@ impl<'x> Notes<'x> {
         let mut add = |what: &str| self.add_at(Some(node.range().start), element, what);
         let name = node.tag_name().name();
         match name {
-            "text" => add("text is not drawn yet"),
             "image" => add("images are not drawn yet"),
             "foreignObject" | "video" | "iframe" | "canvas" => add(&format!("<{name}> is not drawn")),
             "style" if node.text().is_some_and(|t| t.contains("@import")) => add("style sheets outside the document are not read"),
@@ -111,8 +110,12 @@ impl<'x> Notes<'x> {
         if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
             add(&format!("{} is outside the document and not read", quoted(outside)));
         }
-        if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
-            add("markers are drawn, but do not count under an id yet");
+        let arcs = |a: &str| {
+            a.trim() == "arcs"
+                || a.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "stroke-linejoin" && v.trim() == "arcs"))
+        };
+        if attribute(node, "stroke-linejoin").is_some_and(arcs) || attribute(node, "style").is_some_and(arcs) {
+            add("joins of the kind arcs are not drawn: mitered instead");
         }
     }
 }

@@ -4,14 +4,12 @@ use usvg::roxmltree::Document;
 
 use super::is_svg;
 use super::notes::element;
-use super::tree::product;
+use super::tree::{IDENTITY, product};
 use crate::error::{Error, Kind, Result};
 
 /// Decimal digits before the point, exponent included, that no coordinate and no transform may pass. A coordinate of that size under a
 /// transform of that size is still within 32-bit range.
 const DIGITS: i64 = 18;
-
-const IDENTITY: [f64; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
 
 /// Refuses a document with such a number, or with nested transforms that multiply to one.
 pub(super) fn check(xml: &Document<'_>) -> Result<()> {

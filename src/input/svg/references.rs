@@ -29,11 +29,12 @@ const MARKERS: std::ops::Range<usize> = 2..5;
 /// Stands for `href` beside the numbers of [`PROPERTIES`].
 const HREF: usize = PROPERTIES.len();
 
-/// Refuses what must not be followed.
-pub(super) fn check(xml: &Document<'_>, limits: &Limits) -> Result<()> {
+/// Refuses what must not be followed. Gives the style sheets.
+pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<Styles<'a>> {
     let (elements, depth) = measure(xml)?;
     let styles = Styles::read(xml, elements, u64::from(depth))?;
-    Graph::read(xml, &styles).walk(limits)
+    Graph::read(xml, &styles).walk(limits)?;
+    Ok(styles)
 }
 
 /// Number of elements and how deep they are nested.

@@ -1,9 +1,10 @@
-//! The style sheets of a document, as far as they refer to other elements.
+//! The style sheets of a document, as far as they refer to other elements or make them transparent.
 //!
 //! `usvg` matches every rule with every element, and a descendant selector with every chain of ancestors; both are bounded here
 //! before it begins. So is the parsing: `simplecss` counts lines and columns anew, from the first byte on, at the end of every value.
 
 use simplecss::{AttributeOperator, Declaration, DeclarationTokenizer, Element, PseudoClass, StyleSheet};
+use svgtypes::{Length, LengthUnit};
 use usvg::roxmltree::{Document, Node};
 
 use super::attribute;
@@ -29,7 +30,7 @@ pub(super) struct Styles<'a>(StyleSheet<'a>);
 
 impl<'a> Styles<'a> {
     /// Reads the `style` elements of a document with so many elements, nested so deep. Only rules in which a declaration has a
-    /// `url()` are kept.
+    /// `url()` or sets an opacity are kept.
     ///
     /// # Errors
     /// A limit.
@@ -72,15 +73,38 @@ impl<'a> Styles<'a> {
         if steps > STEPS {
             return refuse();
         }
-        sheet.rules.retain(|r| r.declarations.iter().any(|d| d.value.contains("url(")));
+        sheet.rules.retain(|r| r.declarations.iter().any(|d| d.value.contains("url(") || d.name.ends_with("opacity")));
         Ok(Styles(sheet))
+    }
+
+    /// An opacity as the element itself has it, by one of its properties; none where it says nothing that can be understood.
+    pub(super) fn opacity(&self, node: Node<'a, '_>, property: &str) -> Option<f32> {
+        let mut found = attribute(node, property);
+        let mut important = false;
+        let mut declare = |d: &Declaration<'a>| {
+            if d.name == property && !important {
+                (found, important) = (Some(d.value), d.important);
+            }
+        };
+        self.rules(node).for_each(&mut declare);
+        attribute(node, "style").into_iter().flat_map(DeclarationTokenizer::from).for_each(|d| declare(&d));
+        match found?.parse().ok()? {
+            Length { number, unit: LengthUnit::Percent } => Some((number as f32 / 100.0).clamp(0.0, 1.0)),
+            Length { number, unit: LengthUnit::None } => Some((number as f32).clamp(0.0, 1.0)),
+            _ => None,
+        }
+    }
+
+    /// The declarations of the rules that apply to an element.
+    fn rules(&self, node: Node<'a, '_>) -> impl Iterator<Item = &Declaration<'a>> {
+        self.0.rules.iter().filter(move |r| r.selector.matches(&Styled(node))).flat_map(|r| &r.declarations)
     }
 
     /// Calls `see` with name and value of everything that styles an element: attributes, rules, the `style` attribute.
     pub(super) fn of(&self, node: Node<'a, '_>, mut see: impl FnMut(&str, &'a str)) {
         node.attributes().filter(|a| a.namespace().is_none()).for_each(|a| see(a.name(), a.value()));
         let mut declare = |d: &Declaration<'a>| see(d.name, d.value);
-        self.0.rules.iter().filter(|r| r.selector.matches(&Styled(node))).flat_map(|r| &r.declarations).for_each(&mut declare);
+        self.rules(node).for_each(&mut declare);
         attribute(node, "style").into_iter().flat_map(DeclarationTokenizer::from).for_each(|d| declare(&d));
     }
 }

@@ -1,23 +1,34 @@
 //! The resolved drawing, walked into shapes, areas and layers.
 //!
 //! `usvg` gives a tree of groups and paths: coordinates and matrices in 32-bit, which are kept as they are and multiplied in
-//! 64-bit on the way down. Shapes are numbered in painting order, so what a group holds is a range of them.
+//! 64-bit on the way down. What clips or masks a group is an area too ([`super::cut`]): a [`Part`] of the drawing is where a shape is
+//! filled, together with the area that all groups around it are cut to. Neighbours that are cut alike are joined before they are cut, so a
+//! clip path costs a gate for each group that it is set on and not for each shape.
 //!
-//! Strokes will be further shapes beside the fill, in [`Walk::path`].
+//! One loop with an explicit stack walks the drawing, the clip paths and the masks. What paints is kept in a [`Sink`], one for the
+//! drawing and one for each clip path or mask under way, which is walked before the group that it cuts. A stroke is a shape of its own beside
+//! the fill; text arrives as a group of the outlines of its glyphs.
 
 use std::collections::HashMap;
+use std::iter::Peekable;
 use std::ops::Range;
 
 use usvg::tiny_skia_path::PathSegment;
-use usvg::{BlendMode, Group, Node, Paint};
+use usvg::{BlendMode, Group, LineCap, LineJoin, MaskType, Node, PaintOrder};
 
+use super::cut::{Cuts, Cutter, Key};
 use super::notes::{Element, Notes};
+use super::tags::Tags;
+use super::text;
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
 use crate::input::finite;
 use crate::run::Rgb;
-use crate::scene::{Area, Layer, Limits, Picture, Scene};
-use crate::shape::{FillRule, Path, Shape, Transform};
+use crate::scene::{Area, Formula, Layer, Limits, Picture, Scene};
+use crate::shape::{Cap, FillRule, Join, Path, Shape, Stroke, Transform};
+
+/// Every point stays.
+pub(super) const IDENTITY: [f64; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
 
 /// What stands for a pattern.
 const PATTERN: Rgb = [0x80; 3];
@@ -25,122 +36,276 @@ const PATTERN: Rgb = [0x80; 3];
 /// A drawing without the names of its areas.
 pub(super) struct Walked<'t> {
     pub(super) scene: Scene,
-    /// What was drawn under an id that `usvg` kept; of equal ones the first.
+    /// What was drawn under an id.
     pub(super) drawn: HashMap<&'t str, Drawn>,
+    /// The shapes that paint, in painting order, with their inks.
+    pub(super) paints: Vec<(u32, Rgb)>,
 }
 
-/// An area and the shapes that it is made of.
+/// All places where an element is drawn.
 #[derive(Clone)]
 pub(super) struct Drawn {
     pub(super) area: Area,
-    pub(super) shapes: Range<u32>,
+    /// Which of [`Walked::paints`].
+    pub(super) paints: Range<usize>,
+    /// More of the same.
+    pub(super) more: Vec<(Area, Range<usize>)>,
 }
 
-/// Walks a drawing, with an explicit stack.
-pub(super) fn walk<'t>(drawing: &'t usvg::Tree, limits: &Limits, notes: &mut Notes<'_>) -> Result<Walked<'t>> {
+impl Drawn {
+    pub(super) fn places(&self) -> impl Iterator<Item = (Area, Range<usize>)> {
+        std::iter::once((self.area, self.paints.clone())).chain(self.more.iter().cloned())
+    }
+}
+
+/// Where something is filled, and the area that it is cut to.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    raw: Area,
+    cut: Option<Area>,
+}
+
+/// What was painted so far: into the drawing, a clip path or a mask.
+#[derive(Default)]
+pub(super) struct Sink {
+    /// Everything.
+    pub(super) parts: Vec<Part>,
+    /// Inks with what they paint, in painting order.
+    pub(super) layers: Vec<(Rgb, Vec<Part>)>,
+    /// How it lets light through, if it is a mask.
+    pub(super) mask: Option<MaskType>,
+}
+
+/// Walks a drawing.
+pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes) -> Result<Walked<'t>> {
     let size = drawing.size();
     let scene = Scene::new(f64::from(size.width()), f64::from(size.height()));
-    let mut walk = Walk { walked: Walked { scene, drawn: HashMap::new() }, limits, notes, areas: Vec::new(), layers: Vec::new(), verbs: 0 };
-    let none = Element { id: "", own: false };
-    let mut way = vec![walk.enter(drawing.root(), [1.0, 0.0, 0.0, 1.0, 0.0, 0.0], none)];
+    let walked = Walked { scene, drawn: HashMap::new(), paints: Vec::new() };
+    let mut walk = Walk { walked, tags, limits, notes, sinks: vec![Sink::default()], cuts: Cuts::default(), verbs: 0 };
+    let root = Step::new(drawing.root(), IDENTITY, Element { id: "", own: false });
+    let mut way = vec![walk.enter(drawing.root(), &root)];
     while let Some(step) = way.last_mut() {
-        match step.children.next() {
-            Some(Node::Group(group)) if group.opacity().get() > 0.0 => {
-                let inner = walk.enter(group, step.transform, step.element);
+        match step.children.peek().copied() {
+            Some(Node::Group(group)) => {
+                let transform = product(step.transform, matrix(group.transform()));
+                if walk.opacity(group) == 0.0 {
+                    step.children.next();
+                } else if let Some(cutter) = walk.cuts.missing(group, transform) {
+                    let inner = walk.open(cutter, transform, group, step);
+                    way.push(inner);
+                } else {
+                    let inner = walk.enter(group, step);
+                    step.children.next();
+                    way.push(inner);
+                }
+            }
+            Some(Node::Path(path)) => {
+                walk.path(path, step)?;
+                step.children.next();
+            }
+            Some(Node::Text(text)) => {
+                text::note(text, drawing.fontdb(), element(text.id(), step.element), walk.notes);
+                let inner = walk.enter(text.flattened(), step);
+                step.children.next();
                 way.push(inner);
             }
-            Some(Node::Path(path)) => walk.path(path, step.transform, step.element)?,
-            // An invisible group, and what the XML has been looked through for.
-            Some(Node::Group(_) | Node::Image(_) | Node::Text(_)) => {}
+            Some(Node::Image(_)) => {
+                // `usvg` is given no images: this one is from a font.
+                walk.notes.add(step.element, "characters that a font has as images only are not drawn");
+                step.children.next();
+            }
             None => {
                 let done = way.pop().expect("there was a last step");
-                walk.leave(&done);
+                walk.leave(done)?;
             }
         }
     }
     Ok(walk.end())
 }
 
-struct Walk<'t, 'l, 'w, 'n> {
+struct Walk<'t, 'l, 'n> {
     walked: Walked<'t>,
+    tags: &'t Tags,
     limits: &'l Limits,
-    notes: &'n mut Notes<'w>,
-    /// Areas drawn so far that no group with an id has taken in.
-    areas: Vec<Area>,
-    /// Inks with what they paint, in painting order.
-    layers: Vec<(Rgb, Vec<Area>)>,
+    notes: &'n mut Notes,
+    sinks: Vec<Sink>,
+    cuts: Cuts,
     verbs: u64,
 }
 
 /// A group on the way.
 struct Step<'t> {
-    children: std::slice::Iter<'t, Node>,
-    id: &'t str,
+    children: Peekable<std::slice::Iter<'t, Node>>,
+    /// Its ids; empty where there are fewer.
+    ids: [&'t str; 3],
     element: Element<'t>,
     transform: [f64; 6],
-    first_area: usize,
-    first_shape: u32,
+    cut: Option<Area>,
+    /// Product of the opacities of this group and those around it, which counts in masks.
+    opacity: f32,
+    first_part: usize,
+    first_paint: usize,
+    /// Whether a shape in it without an id of its own is its element.
+    shape: bool,
+    /// The clip path or mask of which this is the root.
+    cutter: Option<(Cutter<'t>, Key)>,
 }
 
-impl<'t> Walk<'t, '_, '_, '_> {
-    fn enter(&mut self, group: &'t Group, outer: [f64; 6], parent: Element<'t>) -> Step<'t> {
-        let element = element(group.id(), parent);
+impl<'t> Step<'t> {
+    /// A group that nothing is known of yet.
+    fn new(group: &'t Group, transform: [f64; 6], element: Element<'t>) -> Step<'t> {
+        let children = group.children().iter().peekable();
+        Step {
+            children,
+            ids: [""; 3],
+            element,
+            transform,
+            cut: None,
+            opacity: 1.0,
+            first_part: 0,
+            first_paint: 0,
+            shape: false,
+            cutter: None,
+        }
+    }
+}
+
+impl<'t> Walk<'t, '_, '_> {
+    /// The opacity that a group has for those who look at it.
+    fn opacity(&self, group: &Group) -> f32 {
+        self.tags.of(group.opacity()).map_or(group.opacity().get(), |tag| tag.opacity)
+    }
+
+    /// The element that a group stands for: one with the group's id, or the only shape in it, around which `usvg` put the group.
+    fn element(&self, group: &'t Group, outer: Element<'t>) -> Element<'t> {
+        let tagged = self.tags.of(group.opacity()).map_or("", |tag| &tag.id);
+        let only = if let [Node::Path(path)] = group.children() { path.id() } else { "" };
+        let id = [tagged, group.id(), only].into_iter().find(|id| !id.is_empty());
+        element(id.unwrap_or_default(), outer)
+    }
+
+    /// A group whose clip path and mask are known.
+    fn enter(&mut self, group: &'t Group, outer: &Step<'t>) -> Step<'t> {
+        let tag = self.tags.of(group.opacity());
+        let [own, marker] = tag.map_or(["", ""], |tag| [if tag.first { &*tag.id } else { "" }, &*tag.marker]);
+        let element = self.element(group, outer.element);
         let reasons = [
-            (group.opacity().get() < 1.0, "transparency is not drawn yet: painted opaque"),
+            (self.opacity(group) < 1.0 && self.sink().mask.is_none(), "transparency is not drawn yet: painted opaque"),
             (group.blend_mode() != BlendMode::Normal, "blend modes are not drawn yet: painted opaque"),
-            (group.clip_path().is_some(), "clip paths do not clip yet"),
-            (group.mask().is_some(), "masks do not mask yet"),
             (!group.filters().is_empty(), "filters are not drawn yet"),
         ];
         reasons.iter().filter(|r| r.0).for_each(|r| self.notes.add(element, r.1));
-        let t = group.transform();
+        let transform = product(outer.transform, matrix(group.transform()));
         Step {
-            children: group.children().iter(),
-            id: group.id(),
-            element,
-            transform: product(outer, [t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from)),
-            first_area: self.areas.len(),
-            first_shape: self.shapes(),
+            ids: [group.id(), if own == group.id() { "" } else { own }, marker],
+            cut: self.cuts.of(group, transform, outer.cut, &mut self.walked.scene.formula),
+            opacity: outer.opacity * self.opacity(group),
+            first_part: self.sink().parts.len(),
+            first_paint: self.walked.paints.len(),
+            shape: tag.is_some_and(|tag| tag.shape),
+            ..Step::new(group, transform, element)
         }
     }
 
-    /// A group with an id is one area to what is around it.
-    fn leave(&mut self, step: &Step<'t>) {
-        if !step.id.is_empty() {
-            let parts = self.areas.split_off(step.first_area);
-            let area = self.union(&parts);
-            self.areas.push(area);
-            self.name(step.id, area, step.first_shape);
-        }
+    /// The root of a clip path or mask, as seen from the group that it cuts.
+    fn open(&mut self, cutter: Cutter<'t>, transform: [f64; 6], group: &'t Group, outer: &Step<'t>) -> Step<'t> {
+        let (root, inner, mask) = match cutter {
+            Cutter::Clip(clip) => (clip.root(), matrix(clip.transform()), None),
+            Cutter::Mask(mask) => (mask.root(), IDENTITY, Some(mask.kind())),
+        };
+        self.sinks.push(Sink { mask, ..Sink::default() });
+        let element = self.element(group, outer.element);
+        Step { cutter: Some((cutter, cutter.key(transform))), ..Step::new(root, product(transform, inner), element) }
     }
 
-    fn path(&mut self, path: &'t usvg::Path, transform: [f64; 6], parent: Element<'t>) -> Result<()> {
+    fn leave(&mut self, step: Step<'t>) -> Result<()> {
+        if let Some((cutter, key)) = step.cutter {
+            let sink = self.sinks.pop().expect("a cutter has its own sink");
+            let frame = match cutter {
+                Cutter::Mask(mask) => Some(self.frame(mask, &step)?),
+                Cutter::Clip(_) => None,
+            };
+            self.cuts.add(cutter, key, sink, frame, &mut self.walked.scene.formula);
+        } else {
+            self.name(step.ids, step.first_part, step.first_paint);
+        }
+        Ok(())
+    }
+
+    /// The rectangle that a mask ends at.
+    fn frame(&mut self, mask: &usvg::Mask, step: &Step<'t>) -> Result<Area> {
+        let [x, y, right, bottom] = [mask.rect().x(), mask.rect().y(), mask.rect().right(), mask.rect().bottom()].map(f64::from);
+        let mut path = Path::default();
+        path.ring(&[[x, y], [right, y], [right, bottom], [x, bottom]]);
+        let name = step.element.named();
+        self.shape(Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, path) }, step.element)
+    }
+
+    fn path(&mut self, path: &'t usvg::Path, step: &Step<'t>) -> Result<()> {
         if !path.is_visible() {
             return Ok(());
         }
-        let element = element(path.id(), parent);
-        if path.stroke().is_some_and(|s| s.opacity().get() > 0.0) {
-            self.notes.add(element, "strokes are not drawn yet");
+        let element = if path.id().is_empty() && step.shape { step.element } else { element(path.id(), step.element) };
+        let (first_part, first_paint) = (self.sink().parts.len(), self.walked.paints.len());
+        let name = if element.own { element.id.to_owned() } else { element.named() };
+        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline(path)) };
+        let fill = path.fill().map(|fill| {
+            let rule = match fill.rule() {
+                usvg::FillRule::NonZero => FillRule::NonZero,
+                usvg::FillRule::EvenOdd => FillRule::EvenOdd,
+            };
+            let opacity = self.tags.of(fill.opacity()).map_or(fill.opacity().get(), |tag| tag.opacity);
+            (Shape { rule, ..shape.clone() }, fill.paint(), opacity)
+        });
+        let stroke = path.stroke().map(|line| {
+            let opacity = self.tags.of(line.opacity()).map_or(line.opacity().get(), |tag| tag.stroke_opacity);
+            (Shape { stroke: Some(stroke(line)), ..shape }, line.paint(), opacity)
+        });
+        let order = match path.paint_order() {
+            PaintOrder::FillAndStroke => [fill, stroke],
+            PaintOrder::StrokeAndFill => [stroke, fill],
+        };
+        for (shape, paint, opacity) in order.into_iter().flatten() {
+            self.paint(shape, paint, opacity, element, step)?;
         }
-        let Some(fill) = path.fill().filter(|f| f.opacity().get() > 0.0) else { return Ok(()) };
-        if fill.opacity().get() < 1.0 {
+        // The parts of a text have no groups of their own.
+        let part = path.fill().and_then(|f| self.tags.of(f.opacity())).or(path.stroke().and_then(|s| self.tags.of(s.opacity())));
+        let id = if step.ids.contains(&path.id()) { "" } else { path.id() };
+        for tag in part.into_iter().flat_map(|part| self.tags.and_around(part)).filter(|tag| tag.first) {
+            self.name([&tag.id, "", ""], first_part, first_paint);
+        }
+        self.name([id, "", ""], first_part, first_paint);
+        Ok(())
+    }
+
+    /// Paints a shape, if it is to be seen.
+    fn paint(&mut self, shape: Shape, paint: &usvg::Paint, opacity: f32, element: Element<'t>, step: &Step<'t>) -> Result<()> {
+        if opacity == 0.0 {
+            return Ok(());
+        }
+        let ink = self.ink(paint, element);
+        if let Some(kind) = self.sink().mask {
+            let opacity = opacity * step.opacity;
+            let flat = kind == MaskType::Alpha || matches!(ink, [0, 0, 0] | [255, 255, 255]);
+            if opacity < 1.0 || !flat {
+                self.notes.add(element, "this part of a mask is neither black nor white: rounded to the nearest");
+            }
+            if opacity < 0.5 {
+                return Ok(());
+            }
+        } else if opacity < 1.0 {
             self.notes.add(element, "transparency is not drawn yet: painted opaque");
         }
-        let ink = self.ink(fill.paint(), element);
-        let rule = match fill.rule() {
-            usvg::FillRule::NonZero => FillRule::NonZero,
-            usvg::FillRule::EvenOdd => FillRule::EvenOdd,
-        };
-        let first_shape = self.shapes();
-        let name = if element.own { element.id.to_owned() } else { element.named() };
-        let area = self.shape(Shape { name, path: outline(path), rule, transform: Transform::Affine(transform) }, element)?;
-        self.areas.push(area);
-        match self.layers.last_mut() {
-            Some((last, areas)) if *last == ink => areas.push(area),
-            _ => self.layers.push((ink, vec![area])),
+        let index = self.walked.scene.shapes.len() as u32;
+        let part = Part { raw: self.shape(shape, element)?, cut: step.cut };
+        if let [_] = &self.sinks[..] {
+            self.walked.paints.push((index, ink));
         }
-        if !path.id().is_empty() {
-            self.name(path.id(), area, first_shape);
+        let sink = self.sinks.last_mut().expect("the drawing's sink stays");
+        sink.parts.push(part);
+        match sink.layers.last_mut() {
+            Some((last, parts)) if *last == ink => parts.push(part),
+            _ => sink.layers.push((ink, vec![part])),
         }
         Ok(())
     }
@@ -151,7 +316,7 @@ impl<'t> Walk<'t, '_, '_, '_> {
             return Err(Error::input(Kind::Refused, what));
         }
         self.verbs += shape.path.verbs().len() as u64;
-        if self.verbs > self.limits.edges || u64::from(self.shapes()) >= self.limits.nodes {
+        if self.verbs > self.limits.edges || self.walked.scene.shapes.len() as u64 >= self.limits.nodes {
             let what = format!("more than {} shapes or {} lines and curves: split the drawing", self.limits.nodes, self.limits.edges);
             return Err(Error::input(Kind::Limit, what));
         }
@@ -159,15 +324,15 @@ impl<'t> Walk<'t, '_, '_, '_> {
     }
 
     /// The flat colour of a paint, or what stands for it.
-    fn ink(&mut self, paint: &Paint, element: Element<'_>) -> Rgb {
+    fn ink(&mut self, paint: &usvg::Paint, element: Element<'_>) -> Rgb {
         let gradient = match paint {
-            Paint::Color(c) => return [c.red, c.green, c.blue],
-            Paint::Pattern(_) => {
+            usvg::Paint::Color(c) => return [c.red, c.green, c.blue],
+            usvg::Paint::Pattern(_) => {
                 self.notes.add(element, "patterns are not drawn yet: filled with #808080");
                 return PATTERN;
             }
-            Paint::LinearGradient(g) => g.stops(),
-            Paint::RadialGradient(g) => g.stops(),
+            usvg::Paint::LinearGradient(g) => g.stops(),
+            usvg::Paint::RadialGradient(g) => g.stops(),
         };
         let ink = gradient.first().map_or(PATTERN, |s| [s.color().red, s.color().green, s.color().blue]);
         let [r, g, b] = ink;
@@ -175,37 +340,91 @@ impl<'t> Walk<'t, '_, '_, '_> {
         ink
     }
 
+    /// What was painted since then is one area to what is around it, if it has an id, and an area of that name.
+    fn name(&mut self, ids: [&'t str; 3], first_part: usize, first_paint: usize) {
+        if ids == [""; 3] || self.sinks.len() > 1 {
+            return;
+        }
+        let formula = &mut self.walked.scene.formula;
+        let sink = self.sinks.last_mut().expect("the drawing's sink stays");
+        let part = joined(&sink.parts[first_part..], formula);
+        sink.parts.truncate(first_part);
+        sink.parts.push(part);
+        let paints = first_paint..self.walked.paints.len();
+        let area = closed(&[part], formula);
+        for id in ids.into_iter().filter(|id| !id.is_empty()) {
+            let more = |drawn: &mut Drawn| drawn.more.push((area, paints.clone()));
+            self.walked.drawn.entry(id).and_modify(more).or_insert_with(|| Drawn { area, paints: paints.clone(), more: Vec::new() });
+        }
+    }
+
     fn end(mut self) -> Walked<'t> {
-        let parts = std::mem::take(&mut self.areas);
-        self.walked.scene.art = self.union(&parts);
-        let layers = std::mem::take(&mut self.layers);
-        self.walked.scene.picture =
-            Picture::Layers(layers.into_iter().map(|(ink, parts)| Layer { area: self.union(&parts), ink }).collect());
+        let sink = self.sinks.pop().expect("the drawing's sink stays");
+        let scene = &mut self.walked.scene;
+        scene.art = closed(&sink.parts, &mut scene.formula);
+        let layers = sink.layers.into_iter().map(|(ink, parts)| Layer { area: closed(&parts, &mut scene.formula), ink });
+        scene.picture = Picture::Layers(layers.collect());
         self.walked
     }
 
-    fn union(&mut self, parts: &[Area]) -> Area {
-        if let [one] = parts { *one } else { self.walked.scene.formula.any(parts) }
+    fn sink(&self) -> &Sink {
+        self.sinks.last().expect("the drawing's sink stays")
     }
+}
 
-    fn name(&mut self, id: &'t str, area: Area, first_shape: u32) {
-        let shapes = first_shape..self.shapes();
-        self.walked.drawn.entry(id).or_insert(Drawn { area, shapes });
+/// Parts as one part. Cut last, if all are cut alike.
+fn joined(parts: &[Part], formula: &mut Formula) -> Part {
+    match parts {
+        [one] => *one,
+        [first, rest @ ..] if rest.iter().all(|p| p.cut == first.cut) => {
+            let raws: Vec<Area> = parts.iter().map(|p| p.raw).collect();
+            Part { raw: formula.any(&raws), cut: first.cut }
+        }
+        _ => {
+            let pieces: Vec<Area> = parts.chunk_by(|a, b| a.cut == b.cut).map(|alike| closed(alike, formula)).collect();
+            Part { raw: formula.any(&pieces), cut: None }
+        }
     }
+}
 
-    fn shapes(&self) -> u32 {
-        self.walked.scene.shapes.len() as u32
-    }
+/// Parts as one area.
+pub(super) fn closed(parts: &[Part], formula: &mut Formula) -> Area {
+    let Part { raw, cut } = joined(parts, formula);
+    cut.map_or(raw, |cut| formula.all(&[raw, cut]))
 }
 
 fn element<'t>(id: &'t str, parent: Element<'t>) -> Element<'t> {
     if id.is_empty() { Element { own: false, ..parent } } else { Element { id, own: true } }
 }
 
+fn matrix(t: usvg::Transform) -> [f64; 6] {
+    [t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from)
+}
+
 /// The map that applies `inner` first, in SVG's order of the six numbers.
 pub(super) fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
     let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (outer, inner);
     [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f]
+}
+
+fn stroke(line: &usvg::Stroke) -> Stroke {
+    Stroke {
+        width: f64::from(line.width().get()),
+        join: match line.linejoin() {
+            LineJoin::Miter => Join::Miter,
+            LineJoin::MiterClip => Join::MiterClip,
+            LineJoin::Round => Join::Round,
+            LineJoin::Bevel => Join::Bevel,
+        },
+        cap: match line.linecap() {
+            LineCap::Butt => Cap::Butt,
+            LineCap::Round => Cap::Round,
+            LineCap::Square => Cap::Square,
+        },
+        miter_limit: f64::from(line.miterlimit().get()),
+        dashes: line.dasharray().unwrap_or_default().iter().copied().map(f64::from).collect(),
+        dash_offset: f64::from(line.dashoffset()),
+    }
 }
 
 fn outline(path: &usvg::Path) -> Path {

@@ -1,0 +1,506 @@
+//! Strokes: the area that a line of some width covers along a path.
+//!
+//! Curves become straight pieces, and the stroke is a sum of simple parts that all run the same way round: a rectangle for every piece, a
+//! wedge on the outer side of every turn, caps at the ends. So the winding number of a point counts the parts that cover it; it is never
+//! negative, no two parts cancel, and filled nonzero the sum is their union, however wide the stroke and however tight the curve. (Outlines made of
+//! parallel curves turn inside out there.) Inside a curve a turn has wedges on both sides, as the normals sweep both.
+//!
+//! ```text
+//!      forward  ________________
+//!                               |\  wedge on the outer side      edges that two neighbours share cancel,
+//!      path     ----------------p \                              what is left is one ring: forward,
+//!      backward ______________  |\ \                             then backward in reverse, through p
+//!                             \ | \ \                            on the inner side of a turn
+//! ```
+//!
+//! Where a turn is slight and its neighbours long enough, the way through `p` is cut short: the triangle that is lost lies in both
+//! rectangles. All this is done in user units, so that skewed and uneven scales are right, and within a part of the tolerance there that
+//! follows from the transform's largest scale. What cannot reach the page is left out first, so that a long line costs what is seen of it.
+//!
+//! Beginnings and ends are perpendicular to the true tangents. Joins and caps are those of SVG 2, section 13.5; turns within a curve, cusps too, are round.
+
+use std::ops::Range;
+
+use super::dashes::{Cursor, Dashes};
+use super::flatten::{Flattening, Piece, Window, affine, flatten, pieces};
+use super::{Cap, Join, Path, Stroke};
+use crate::error::{Error, Kind, Result};
+use crate::grid::Point;
+
+/// Most dashes and gaps of one stroke that are on the page.
+pub const DASHES: u64 = 10_000_000;
+
+/// Points of one side after which a ring is ended and another begun, to keep memory small.
+const STRETCH: usize = 4096;
+
+/// Most points of an arc.
+const ARC: f64 = 1_048_576.0;
+
+/// A unit vector.
+type Heading = [f64; 2];
+
+/// Hands the rings that the stroke of a path consists of to `ring`, as points in pixels, to be filled nonzero.
+///
+/// # Errors
+/// More than [`DASHES`]; the first that `ring` returns.
+pub(super) fn rings(
+    path: &Path,
+    stroke: &Stroke,
+    matrix: &[f64; 6],
+    how: &Flattening,
+    name: &str,
+    ring: impl FnMut(&[Point]) -> Result<()>,
+) -> Result<()> {
+    let Some(mut walk) = Walk::new(stroke, matrix, how, name, ring) else { return Ok(()) };
+    for piece in pieces(path) {
+        match piece {
+            Piece::Start(p) => {
+                walk.end(false)?;
+                walk.begin(p);
+            }
+            Piece::Line(_, p) => walk.line(p)?,
+            Piece::Cubic(cubic) => walk.curve(&cubic)?,
+            Piece::Close(_, start) => {
+                walk.line(start)?;
+                walk.end(true)?;
+            }
+        }
+    }
+    walk.end(false)
+}
+
+/// Goes along subpaths, straight piece by straight piece, and lowers and lifts the pen.
+struct Walk<'n, R> {
+    name: &'n str,
+    pen: Pen<R>,
+    /// For curves, in user units.
+    how: Flattening,
+    dashes: Option<Dashes>,
+    /// Dashes and gaps so far.
+    passed: u64,
+    /// Where the subpath begins; none before it has lines.
+    start: Option<Point>,
+    drawn: bool,
+    at: Point,
+    /// At the end of a curve, its tangent: it matters unless the next piece goes on smoothly.
+    tangent: Option<Heading>,
+    /// No straight piece has been walked in this subpath.
+    fresh: bool,
+    /// Where and whereto the pen was lowered at the very beginning of the subpath, without a cap so far.
+    first: Option<(Point, Heading)>,
+    /// Distance from the pattern's beginning, and the dash there; none if it has to be looked up.
+    place: f64,
+    cursor: Option<Cursor>,
+}
+
+impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
+    /// None if nothing is painted.
+    fn new(stroke: &Stroke, matrix: &[f64; 6], how: &Flattening, name: &'n str, ring: R) -> Option<Walk<'n, R>> {
+        let radius = stroke.width / 2.0;
+        let tolerance = how.tolerance / largest_scale(matrix) / 2.0;
+        let reach = radius * if matches!(stroke.join, Join::Miter | Join::MiterClip) { stroke.miter_limit.max(1.5) } else { 1.5 };
+        let window = seen(matrix, &how.window, reach + tolerance)?;
+        if !(radius > 0.0 && tolerance > 0.0 && reach.is_finite()) {
+            return None;
+        }
+        let pen = Pen {
+            radius,
+            join: stroke.join,
+            cap: stroke.cap,
+            miter_limit: stroke.miter_limit,
+            least: tolerance * 1e-3,
+            step: 4.0 * (tolerance / radius / 2.0).sqrt().min(0.5).asin(),
+            matrix: *matrix,
+            heading: None,
+            length: 0.0,
+            forward: Vec::new(),
+            backward: Vec::new(),
+            points: Vec::new(),
+            ring,
+        };
+        Some(Walk {
+            name,
+            pen,
+            how: Flattening { tolerance, window },
+            dashes: Dashes::new(&stroke.dashes, stroke.dash_offset),
+            passed: 0,
+            start: None,
+            drawn: false,
+            at: [0.0; 2],
+            tangent: None,
+            fresh: true,
+            first: None,
+            place: 0.0,
+            cursor: None,
+        })
+    }
+
+    fn begin(&mut self, p: Point) {
+        (self.start, self.at, self.drawn, self.fresh) = (Some(p), p, false, true);
+        self.place = self.dashes.as_ref().map_or(0.0, |d| d.offset);
+        self.cursor = None;
+    }
+
+    fn line(&mut self, p: Point) -> Result<()> {
+        self.drawn = true;
+        match direction(self.at, p, self.pen.least) {
+            Some((heading, length)) => {
+                self.turn_to_tangent()?;
+                self.straight(p, heading, length, false)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn curve(&mut self, cubic: &[Point; 4]) -> Result<()> {
+        self.drawn = true;
+        let least = self.pen.least;
+        let &[p, q, r, s] = cubic;
+        let from = [q, r, s].into_iter().find_map(|to| direction(p, to, least));
+        let to = [r, q, p].into_iter().find_map(|from| direction(from, s, least));
+        let Some(((from, _), (to, _))) = from.zip(to) else { return self.line(s) };
+        let smooth = self.tangent.is_some_and(|last| self.pen.is_slight(last, from));
+        if !smooth {
+            self.turn_to_tangent()?;
+            self.straight(self.at, from, 0.0, false)?;
+        }
+        let how = self.how;
+        let mut result = Ok(());
+        flatten(*cubic, &how, |part, range, vertex| {
+            if result.is_ok() {
+                if let Some((heading, chord)) = direction(self.at, vertex, least) {
+                    let length = if self.dashes.is_some() { length(part, range).max(chord) } else { chord };
+                    result = self.straight(vertex, heading, length, true);
+                }
+            }
+        });
+        self.tangent = Some(to);
+        result
+    }
+
+    /// Makes up for the difference between the end of a curve and its last straight piece.
+    fn turn_to_tangent(&mut self) -> Result<()> {
+        match self.tangent.take() {
+            Some(tangent) => self.straight(self.at, tangent, 0.0, true),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends a subpath, if there is one.
+    fn end(&mut self, closed: bool) -> Result<()> {
+        let Some(start) = self.start.take() else { return Ok(()) };
+        self.turn_to_tangent()?;
+        if self.fresh && self.drawn && self.pen.cap != Cap::Butt {
+            // A subpath without length is a dot.
+            self.straight(start, [1.0, 0.0], 0.0, false)?;
+        }
+        let first = self.first.take();
+        match (first, self.pen.heading) {
+            (Some((p, heading)), Some(_)) if closed => {
+                self.pen.turn(p, heading, 0.0, false)?;
+                self.pen.lift()
+            }
+            (first, down) => {
+                if down.is_some() {
+                    self.pen.end(self.at)?;
+                }
+                first.map_or(Ok(()), |(p, [x, y])| self.pen.cap_apart(p, [-x, -y]))
+            }
+        }
+    }
+
+    /// Goes straight on to `to`, which is `length` away along the path. `smooth`: the turn towards it is a part of a curve.
+    fn straight(&mut self, to: Point, heading: Heading, length: f64, smooth: bool) -> Result<()> {
+        let from = self.at;
+        let fresh = std::mem::replace(&mut self.fresh, false);
+        let begun = self.place;
+        self.at = to;
+        self.place += length;
+        let Some(Range { start, end }) = within(from, to, &self.how.window) else {
+            self.cursor = None;
+            return self.pen.lift();
+        };
+        let at = |t: f64| if t >= 1.0 { to } else { [0, 1].map(|i| from[i] + t * (to[i] - from[i])) };
+        let fresh = fresh && start == 0.0;
+        if start > 0.0 {
+            self.cursor = None;
+            self.pen.lift()?;
+        }
+        let Some(dashes) = &self.dashes else {
+            if self.pen.heading.is_none() && fresh {
+                self.first = Some((at(start), heading));
+            }
+            self.pen.draw(at(start), at(end), heading, smooth, fresh)?;
+            return if end < 1.0 { self.pen.lift() } else { Ok(()) };
+        };
+        let (mut place, last) = (begun + start * length, begun + end * length);
+        let point = |place: f64| at(if length > 0.0 { ((place - begun) / length).clamp(start, end) } else { start });
+        let mut cursor = self.cursor.unwrap_or_else(|| dashes.at(place));
+        if fresh && cursor.on() {
+            self.first = Some((from, heading));
+        }
+        let mut fresh = fresh;
+        while dashes.end(cursor) < last {
+            let next = dashes.end(cursor).max(place);
+            if cursor.on() {
+                if next > place || self.pen.heading.is_none() {
+                    self.pen.draw(point(place), point(next), heading, smooth, fresh)?;
+                }
+                self.pen.end(point(next))?;
+            }
+            (place, cursor, fresh) = (next, dashes.next(cursor), false);
+            self.passed += 1;
+            if self.passed > DASHES {
+                return Err(Error::input(Kind::Limit, format!("\"{}\": more than {DASHES} dashes and gaps: use longer ones", self.name)));
+            }
+        }
+        if cursor.on() {
+            self.pen.draw(point(place), point(last), heading, smooth, fresh)?;
+        }
+        self.cursor = Some(cursor);
+        if end < 1.0 {
+            self.cursor = None;
+            self.pen.lift()?;
+        }
+        Ok(())
+    }
+}
+
+/// Draws pieces and what joins and ends them.
+struct Pen<R> {
+    /// Half the width.
+    radius: f64,
+    join: Join,
+    cap: Cap,
+    miter_limit: f64,
+    /// What is shorter is nothing.
+    least: f64,
+    /// Largest angle between points of an arc.
+    step: f64,
+    matrix: [f64; 6],
+    /// Whereto the pen last went; none while it is up.
+    heading: Option<Heading>,
+    /// How far it went there.
+    length: f64,
+    /// The right side in the direction of travel (the left one where y points down).
+    forward: Vec<Point>,
+    backward: Vec<Point>,
+    points: Vec<Point>,
+    ring: R,
+}
+
+impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
+    /// A straight piece; the pen is lowered if it is up, with a cap unless the piece is the `first` of its subpath.
+    fn draw(&mut self, from: Point, to: Point, heading: Heading, smooth: bool, first: bool) -> Result<()> {
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        if self.heading.is_some() {
+            self.turn(from, heading, length, smooth)?;
+        } else if !first {
+            self.cap_apart(from, heading.map(|x| -x))?;
+        }
+        let normal = self.normal(heading);
+        for p in [from, to] {
+            push(&mut self.forward, offset(p, normal, -1.0));
+            push(&mut self.backward, offset(p, normal, 1.0));
+        }
+        (self.heading, self.length) = (Some(heading), length);
+        if self.forward.len().max(self.backward.len()) > STRETCH {
+            self.emit()?;
+            self.forward.push(offset(to, normal, -1.0));
+            self.backward.push(offset(to, normal, 1.0));
+        }
+        Ok(())
+    }
+
+    /// The turn at `p` towards a piece of some length.
+    fn turn(&mut self, p: Point, heading: Heading, length: f64, smooth: bool) -> Result<()> {
+        let Some(last) = self.heading.filter(|&last| !self.is_slight(last, heading)) else { return Ok(()) };
+        let (sine, cosine) = sine_and_cosine(last, heading);
+        let angle = sine.atan2(cosine);
+        let side = if angle > 0.0 { -1.0 } else { 1.0 };
+        let outer = [last, heading].map(|h| self.normal(h).map(|v| v * side));
+        let short = cosine > 0.0 && self.radius * sine.abs() <= 0.5 * length.min(self.length);
+
+        let (out, inner) = if angle > 0.0 { (&mut self.forward, &mut self.backward) } else { (&mut self.backward, &mut self.forward) };
+        if !short {
+            inner.push(p);
+        }
+        if smooth || self.join == Join::Round {
+            arc(out, p, outer[0], angle, self.step);
+        } else if matches!(self.join, Join::Miter | Join::MiterClip) {
+            // 32-bit noise does not decide at the limit.
+            if 2.0 <= self.miter_limit.powi(2) * (1.0 + cosine) * (1.0 + 1e-5) {
+                out.push([0, 1].map(|i| p[i] + (outer[0][i] + outer[1][i]) / (1.0 + cosine)));
+            } else if self.join == Join::MiterClip {
+                let [c, s] = [(1.0 + cosine) / 2.0, (1.0 - cosine) / 2.0].map(|square| square.max(0.0).sqrt());
+                let far = self.radius * (self.miter_limit - c) / s;
+                if far > 0.0 {
+                    out.push([0, 1].map(|i| p[i] + outer[0][i] + far * last[i]));
+                    out.push([0, 1].map(|i| p[i] + outer[1][i] - far * heading[i]));
+                }
+            }
+        }
+        if smooth && !short {
+            let from = outer[usize::from(angle <= 0.0)].map(|v| -v);
+            let mut sector = vec![p, offset(p, from, 1.0)];
+            arc(&mut sector, p, from, angle.abs(), self.step);
+            sector.push(offset(p, outer[usize::from(angle > 0.0)], -1.0));
+            self.apart(&sector)?;
+        }
+        Ok(())
+    }
+
+    /// Ends a line with a cap.
+    fn end(&mut self, p: Point) -> Result<()> {
+        if let Some(heading) = self.heading {
+            let cap = self.cap(p, heading);
+            self.forward.extend(cap);
+        }
+        self.lift()
+    }
+
+    /// Ends a line where that is not seen, or where its end is its beginning.
+    fn lift(&mut self) -> Result<()> {
+        self.heading = None;
+        self.emit()
+    }
+
+    /// The points of a cap between the corners of the piece that it ends.
+    fn cap(&self, p: Point, heading: Heading) -> Vec<Point> {
+        let normal = self.normal(heading);
+        let mut points = Vec::new();
+        match self.cap {
+            Cap::Butt => {}
+            Cap::Square => {
+                let front = offset(p, heading, self.radius);
+                points.extend([offset(front, normal, -1.0), offset(front, normal, 1.0)]);
+            }
+            Cap::Round => arc(&mut points, p, normal.map(|v| -v), std::f64::consts::PI, self.step),
+        }
+        points
+    }
+
+    /// A cap as a ring of its own.
+    fn cap_apart(&mut self, p: Point, heading: Heading) -> Result<()> {
+        if self.cap == Cap::Butt {
+            return Ok(());
+        }
+        let normal = self.normal(heading);
+        let mut ring = self.cap(p, heading);
+        ring.extend([offset(p, normal, 1.0), offset(p, normal, -1.0)]);
+        self.apart(&ring)
+    }
+
+    /// Hands over what both sides enclose.
+    fn emit(&mut self) -> Result<()> {
+        if self.forward.is_empty() {
+            return Ok(());
+        }
+        let mut sides = std::mem::take(&mut self.forward);
+        sides.extend(self.backward.drain(..).rev());
+        let result = self.apart(&sides);
+        sides.clear();
+        self.forward = sides;
+        result
+    }
+
+    fn apart(&mut self, ring: &[Point]) -> Result<()> {
+        self.points.clear();
+        self.points.extend(ring.iter().map(|&p| affine(&self.matrix, p)));
+        (self.ring)(&self.points)
+    }
+
+    /// From the path to the backward side.
+    fn normal(&self, [x, y]: Heading) -> [f64; 2] {
+        [-y * self.radius, x * self.radius]
+    }
+
+    /// Whether a turn moves nothing.
+    fn is_slight(&self, from: Heading, to: Heading) -> bool {
+        let (sine, cosine) = sine_and_cosine(from, to);
+        cosine > 0.0 && sine.abs() * self.radius <= self.least
+    }
+}
+
+/// Appends the points of an arc around `p` between its ends, which are `from` away and that turned by `angle`.
+fn arc(points: &mut Vec<Point>, p: Point, from: [f64; 2], angle: f64, step: f64) {
+    let steps = (angle.abs() / step).ceil().clamp(1.0, ARC);
+    for k in 1..steps as u32 {
+        let (sine, cosine) = (angle * f64::from(k) / steps).sin_cos();
+        points.push([p[0] + from[0] * cosine - from[1] * sine, p[1] + from[0] * sine + from[1] * cosine]);
+    }
+}
+
+fn push(points: &mut Vec<Point>, p: Point) {
+    if points.last() != Some(&p) {
+        points.push(p);
+    }
+}
+
+fn offset(p: Point, by: [f64; 2], times: f64) -> Point {
+    [p[0] + by[0] * times, p[1] + by[1] * times]
+}
+
+fn sine_and_cosine(a: Heading, b: Heading) -> (f64, f64) {
+    (a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+}
+
+/// Heading and distance, if it is more than `least`.
+fn direction(from: Point, to: Point, least: f64) -> Option<(Heading, f64)> {
+    let [x, y] = [to[0] - from[0], to[1] - from[1]];
+    let length = x.hypot(y);
+    (length > least && length.is_finite()).then(|| ([x / length, y / length], length))
+}
+
+/// Length of a part of a cubic: Gauss's rule with five points on each sixteenth of it.
+fn length(&[p, q, r, s]: &[Point; 4], part: Range<f64>) -> f64 {
+    const NODES: [(f64, f64); 5] = [
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let speed = |t: f64| {
+        let u = 1.0 - t;
+        let [x, y] = [0, 1].map(|i| 3.0 * (u * u * (q[i] - p[i]) + 2.0 * u * t * (r[i] - q[i]) + t * t * (s[i] - r[i])));
+        x.hypot(y)
+    };
+    // Whole curves are chords beyond the page; the straight pieces of others are short.
+    let parts = if part.end - part.start >= 1.0 { 16 } else { 1 };
+    let half = (part.end - part.start) / f64::from(parts) / 2.0;
+    let sum = |k: i32| NODES.iter().map(|(x, w)| w * speed(part.start + half * (f64::from(2 * k + 1) + x))).sum::<f64>();
+    half * (0..parts).map(sum).sum::<f64>()
+}
+
+/// The larger singular value of the linear part.
+fn largest_scale(&[a, b, c, d, ..]: &[f64; 6]) -> f64 {
+    (a / 2.0 + d / 2.0).hypot(b / 2.0 - c / 2.0) + (a / 2.0 - d / 2.0).hypot(b / 2.0 + c / 2.0)
+}
+
+/// A box around the window in user units, with a margin. None if the matrix leaves no area.
+fn seen(&[a, b, c, d, e, f]: &[f64; 6], &[left, top, right, bottom]: &Window, margin: f64) -> Option<Window> {
+    let determinant = a * d - b * c;
+    let back = |x: f64, y: f64| [(d * (x - e) - c * (y - f)) / determinant, (a * (y - f) - b * (x - e)) / determinant];
+    let corners = [back(left, top), back(right, top), back(left, bottom), back(right, bottom)];
+    let bound = |axis: usize, f: fn(f64, f64) -> f64| corners.iter().map(|p| p[axis]).fold(corners[0][axis], f);
+    let window = [bound(0, f64::min) - margin, bound(1, f64::min) - margin, bound(0, f64::max) + margin, bound(1, f64::max) + margin];
+    (determinant != 0.0 && window.iter().all(|v| v.is_finite())).then_some(window)
+}
+
+/// Which part of a line, from 0 to 1, lies in a window (Liang and Barsky).
+fn within(from: Point, to: Point, &[left, top, right, bottom]: &Window) -> Option<Range<f64>> {
+    let mut part = 0.0_f64..1.0;
+    for (p, q, low, high) in [(from[0], to[0], left, right), (from[1], to[1], top, bottom)] {
+        let d = q - p;
+        if d == 0.0 {
+            if p < low || p > high {
+                return None;
+            }
+            continue;
+        }
+        let (enter, leave) = if d > 0.0 { (low, high) } else { (high, low) };
+        part = part.start.max((enter - p) / d)..part.end.min((leave - p) / d);
+    }
+    (part.start <= part.end).then_some(part)
+}
