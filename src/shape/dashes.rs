@@ -8,7 +8,7 @@
 pub(super) struct Dashes {
     /// Where the dashes (even) and gaps (odd) of a period end.
     ends: Vec<f64>,
-    period: f64,
+    pub(super) period: f64,
     /// Where in the pattern a subpath begins.
     pub(super) offset: f64,
 }
@@ -48,6 +48,11 @@ impl Dashes {
 
     pub(super) fn next(&self, Cursor { cycle, index }: Cursor) -> Cursor {
         if index + 1 < self.ends.len() { Cursor { cycle, index: index + 1 } } else { Cursor { cycle: cycle + 1.0, index: 0 } }
+    }
+
+    /// About how many dashes and gaps a length has.
+    pub(super) fn number(&self, length: f64) -> f64 {
+        length / self.period * self.ends.len() as f64
     }
 
     /// Where it ends.

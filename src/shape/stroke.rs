@@ -13,8 +13,8 @@
 //!                             \ | \ \                            on the inner side of a turn
 //! ```
 //!
-//! Where a turn is slight and its neighbours long enough, the way through `p` is cut short: the triangle that is lost lies in both
-//! rectangles. All this is done in user units, so that skewed and uneven scales are right, and within a part of the tolerance there that
+//! Where a turn is slight and its neighbours long enough, both rectangles are cut at the bisector instead: what they lose there, the
+//! other has. All this is done in user units, so that skewed and uneven scales are right, and within a part of the tolerance there that
 //! follows from the transform's largest scale. What cannot reach the page is left out first, so that a long line costs what is seen of it.
 //!
 //! Beginnings and ends are perpendicular to the true tangents. Joins and caps are those of SVG 2, section 13.5; turns within a curve, cusps too, are round.
@@ -22,7 +22,7 @@
 use std::ops::Range;
 
 use super::dashes::{Cursor, Dashes};
-use super::flatten::{Flattening, Piece, Window, affine, flatten, pieces};
+use super::flatten::{Flattening, Piece, Window, affine, beside, flatten, pieces};
 use super::{Cap, Join, Path, Stroke};
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
@@ -33,8 +33,14 @@ pub const DASHES: u64 = 10_000_000;
 /// Points of one side after which a ring is ended and another begun, to keep memory small.
 const STRETCH: usize = 4096;
 
-/// Most points of an arc.
-const ARC: f64 = 1_048_576.0;
+/// Finest tolerance of curves, to the size of what has to be flattened: it counts only where lines are 10^8 pixels wide.
+const FINEST: f64 = 1e-11;
+
+/// Most steps of an arc; those that cannot reach the page are taken together.
+const STEPS: f64 = 1e15;
+
+/// Steps of an arc that are not looked at one by one.
+const FEW: u64 = 32;
 
 /// A unit vector.
 type Heading = [f64; 2];
@@ -75,9 +81,11 @@ struct Walk<'n, R> {
     pen: Pen<R>,
     /// For curves, in user units.
     how: Flattening,
+    /// Beyond it nothing is drawn that is seen, in user units.
+    reach: Window,
     dashes: Option<Dashes>,
-    /// Dashes and gaps so far.
-    passed: u64,
+    /// Dashes and gaps on the page so far.
+    passed: f64,
     /// Where the subpath begins; none before it has lines.
     start: Option<Point>,
     drawn: bool,
@@ -88,7 +96,7 @@ struct Walk<'n, R> {
     fresh: bool,
     /// Where and whereto the pen was lowered at the very beginning of the subpath, without a cap so far.
     first: Option<(Point, Heading)>,
-    /// Distance from the pattern's beginning, and the dash there; none if it has to be looked up.
+    /// Distance from where a period begins, and the dash there; none if it has to be looked up.
     place: f64,
     cursor: Option<Cursor>,
 }
@@ -98,11 +106,13 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
     fn new(stroke: &Stroke, matrix: &[f64; 6], how: &Flattening, name: &'n str, ring: R) -> Option<Walk<'n, R>> {
         let radius = stroke.width / 2.0;
         let tolerance = how.tolerance / largest_scale(matrix) / 2.0;
-        let reach = radius * if matches!(stroke.join, Join::Miter | Join::MiterClip) { stroke.miter_limit.max(1.5) } else { 1.5 };
-        let window = seen(matrix, &how.window, reach + tolerance)?;
-        if !(radius > 0.0 && tolerance > 0.0 && reach.is_finite()) {
+        let miter = if matches!(stroke.join, Join::Miter | Join::MiterClip) { stroke.miter_limit.max(1.5) } else { 1.5 };
+        let around = |reach: f64| seen(matrix, &how.window, reach + tolerance);
+        let window = around(1.5 * radius)?;
+        if !(radius > 0.0 && tolerance > 0.0) {
             return None;
         }
+        let size = (window[2] - window[0]).max(window[3] - window[1]);
         let pen = Pen {
             radius,
             join: stroke.join,
@@ -110,6 +120,7 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
             miter_limit: stroke.miter_limit,
             least: tolerance * 1e-3,
             step: 4.0 * (tolerance / radius / 2.0).sqrt().min(0.5).asin(),
+            window: around(0.0)?,
             matrix: *matrix,
             heading: None,
             length: 0.0,
@@ -121,9 +132,10 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
         Some(Walk {
             name,
             pen,
-            how: Flattening { tolerance, window },
+            how: Flattening { tolerance: tolerance.max(size * FINEST), window },
+            reach: around(miter * radius)?,
             dashes: Dashes::new(&stroke.dashes, stroke.dash_offset),
-            passed: 0,
+            passed: 0.0,
             start: None,
             drawn: false,
             at: [0.0; 2],
@@ -190,14 +202,15 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
     fn end(&mut self, closed: bool) -> Result<()> {
         let Some(start) = self.start.take() else { return Ok(()) };
         self.turn_to_tangent()?;
-        if self.fresh && self.drawn && self.pen.cap != Cap::Butt {
+        let dot = self.fresh;
+        if dot && self.drawn && self.pen.cap != Cap::Butt {
             // A subpath without length is a dot.
             self.straight(start, [1.0, 0.0], 0.0, false)?;
         }
         let first = self.first.take();
         match (first, self.pen.heading) {
-            (Some((p, heading)), Some(_)) if closed => {
-                self.pen.turn(p, heading, 0.0, false)?;
+            (Some((p, heading)), Some(_)) if closed && !dot => {
+                self.pen.draw(p, p, heading, false, false)?;
                 self.pen.lift()
             }
             (first, down) => {
@@ -213,52 +226,55 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
     fn straight(&mut self, to: Point, heading: Heading, length: f64, smooth: bool) -> Result<()> {
         let from = self.at;
         let fresh = std::mem::replace(&mut self.fresh, false);
-        let begun = self.place;
+        let mut place = self.place;
         self.at = to;
         self.place += length;
-        let Some(Range { start, end }) = within(from, to, &self.how.window) else {
+        let Some(Range { start, end }) = within(from, to, &self.reach) else {
             self.cursor = None;
             return self.pen.lift();
         };
         let at = |t: f64| if t >= 1.0 { to } else { [0, 1].map(|i| from[i] + t * (to[i] - from[i])) };
-        let fresh = fresh && start == 0.0;
+        let mut fresh = fresh && start == 0.0;
         if start > 0.0 {
-            self.cursor = None;
             self.pen.lift()?;
         }
-        let Some(dashes) = &self.dashes else {
-            if self.pen.heading.is_none() && fresh {
-                self.first = Some((at(start), heading));
+        if let Some(dashes) = &self.dashes {
+            if start > 0.0 || place > dashes.period * 1e9 {
+                self.cursor = None;
+                place = (place + start * length).rem_euclid(dashes.period);
             }
-            self.pen.draw(at(start), at(end), heading, smooth, fresh)?;
-            return if end < 1.0 { self.pen.lift() } else { Ok(()) };
-        };
-        let (mut place, last) = (begun + start * length, begun + end * length);
-        let point = |place: f64| at(if length > 0.0 { ((place - begun) / length).clamp(start, end) } else { start });
-        let mut cursor = self.cursor.unwrap_or_else(|| dashes.at(place));
-        if fresh && cursor.on() {
-            self.first = Some((from, heading));
-        }
-        let mut fresh = fresh;
-        while dashes.end(cursor) < last {
-            let next = dashes.end(cursor).max(place);
-            if cursor.on() {
-                if next > place || self.pen.heading.is_none() {
-                    self.pen.draw(point(place), point(next), heading, smooth, fresh)?;
-                }
-                self.pen.end(point(next))?;
-            }
-            (place, cursor, fresh) = (next, dashes.next(cursor), false);
-            self.passed += 1;
-            if self.passed > DASHES {
+            let (begun, last) = (place, place + (end - start) * length);
+            self.passed += dashes.number(last - place);
+            if self.passed > DASHES as f64 {
                 return Err(Error::input(Kind::Limit, format!("\"{}\": more than {DASHES} dashes and gaps: use longer ones", self.name)));
             }
+            let point = |place: f64| at(if length > 0.0 { (start + (place - begun) / length).clamp(start, end) } else { start });
+            let mut cursor = self.cursor.unwrap_or_else(|| dashes.at(place));
+            if fresh && cursor.on() {
+                self.first = Some((from, heading));
+            }
+            while dashes.end(cursor) < last {
+                let next = dashes.end(cursor).max(place);
+                if cursor.on() {
+                    if next > place || self.pen.heading.is_none() {
+                        self.pen.draw(point(place), point(next), heading, smooth, fresh)?;
+                    }
+                    self.pen.end(point(next))?;
+                }
+                (place, cursor, fresh) = (next, dashes.next(cursor), false);
+            }
+            if cursor.on() {
+                self.pen.draw(point(place), at(end), heading, smooth, fresh)?;
+            }
+            (self.place, self.cursor) = (last, Some(cursor));
+        } else {
+            if fresh {
+                self.first = Some((from, heading));
+            }
+            self.pen.draw(at(start), at(end), heading, smooth, fresh)?;
         }
-        if cursor.on() {
-            self.pen.draw(point(place), point(last), heading, smooth, fresh)?;
-        }
-        self.cursor = Some(cursor);
         if end < 1.0 {
+            self.place += (1.0 - end) * length;
             self.cursor = None;
             self.pen.lift()?;
         }
@@ -277,6 +293,8 @@ struct Pen<R> {
     least: f64,
     /// Largest angle between points of an arc.
     step: f64,
+    /// What is seen, in user units.
+    window: Window,
     matrix: [f64; 6],
     /// Whereto the pen last went; none while it is up.
     heading: Option<Heading>,
@@ -293,13 +311,16 @@ impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
     /// A straight piece; the pen is lowered if it is up, with a cap unless the piece is the `first` of its subpath.
     fn draw(&mut self, from: Point, to: Point, heading: Heading, smooth: bool, first: bool) -> Result<()> {
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut begin = Some(from);
         if self.heading.is_some() {
-            self.turn(from, heading, length, smooth)?;
+            if self.turn(from, heading, length, smooth)? {
+                begin = None;
+            }
         } else if !first {
             self.cap_apart(from, heading.map(|x| -x))?;
         }
         let normal = self.normal(heading);
-        for p in [from, to] {
+        for p in begin.into_iter().chain([to]) {
             push(&mut self.forward, offset(p, normal, -1.0));
             push(&mut self.backward, offset(p, normal, 1.0));
         }
@@ -312,42 +333,47 @@ impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
         Ok(())
     }
 
-    /// The turn at `p` towards a piece of some length.
-    fn turn(&mut self, p: Point, heading: Heading, length: f64, smooth: bool) -> Result<()> {
-        let Some(last) = self.heading.filter(|&last| !self.is_slight(last, heading)) else { return Ok(()) };
+    /// The turn at `p` towards a piece of some length. True if the piece begins at the bisector, where both sides have their points already.
+    fn turn(&mut self, p: Point, heading: Heading, length: f64, smooth: bool) -> Result<bool> {
+        let Some(last) = self.heading.filter(|&last| !self.is_slight(last, heading)) else { return Ok(false) };
         let (sine, cosine) = sine_and_cosine(last, heading);
         let angle = sine.atan2(cosine);
-        let side = if angle > 0.0 { -1.0 } else { 1.0 };
-        let outer = [last, heading].map(|h| self.normal(h).map(|v| v * side));
-        let short = cosine > 0.0 && self.radius * sine.abs() <= 0.5 * length.min(self.length);
+        let left = angle > 0.0;
+        let outer = [last, heading].map(|h| self.normal(h).map(|v| if left { -v } else { v }));
+        let miter = [0, 1].map(|i| (outer[0][i] + outer[1][i]) / (1.0 + cosine));
+        let round = smooth || self.join == Join::Round;
+        // 32-bit noise does not decide at the limit.
+        let mitered = matches!(self.join, Join::Miter | Join::MiterClip) && 2.0 <= self.miter_limit.powi(2) * (1.0 + cosine) * (1.0 + 1e-5);
 
-        let (out, inner) = if angle > 0.0 { (&mut self.forward, &mut self.backward) } else { (&mut self.backward, &mut self.forward) };
-        if !short {
-            inner.push(p);
+        let short = cosine > 0.0 && self.radius * sine.abs() <= 0.5 * length.min(self.length);
+        let (out, inner) = if left { (&mut self.forward, &mut self.backward) } else { (&mut self.backward, &mut self.forward) };
+        if short && out.len().min(inner.len()) > 1 && if round { angle.abs() <= self.step } else { mitered } {
+            (out.pop(), inner.pop());
+            out.push(offset(p, miter, 1.0));
+            inner.push(offset(p, miter, -1.0));
+            return Ok(true);
         }
-        if smooth || self.join == Join::Round {
-            arc(out, p, outer[0], angle, self.step);
-        } else if matches!(self.join, Join::Miter | Join::MiterClip) {
-            // 32-bit noise does not decide at the limit.
-            if 2.0 <= self.miter_limit.powi(2) * (1.0 + cosine) * (1.0 + 1e-5) {
-                out.push([0, 1].map(|i| p[i] + (outer[0][i] + outer[1][i]) / (1.0 + cosine)));
-            } else if self.join == Join::MiterClip {
-                let [c, s] = [(1.0 + cosine) / 2.0, (1.0 - cosine) / 2.0].map(|square| square.max(0.0).sqrt());
-                let far = self.radius * (self.miter_limit - c) / s;
-                if far > 0.0 {
-                    out.push([0, 1].map(|i| p[i] + outer[0][i] + far * last[i]));
-                    out.push([0, 1].map(|i| p[i] + outer[1][i] - far * heading[i]));
-                }
+        inner.push(p);
+        if round {
+            arc(out, p, outer[0], angle, self.step, &self.window);
+        } else if mitered {
+            out.push(offset(p, miter, 1.0));
+        } else if self.join == Join::MiterClip {
+            let [c, s] = [(1.0 + cosine) / 2.0, (1.0 - cosine) / 2.0].map(|square| square.max(0.0).sqrt());
+            let far = self.radius * (self.miter_limit - c) / s;
+            if far > 0.0 {
+                out.push(offset(offset(p, outer[0], 1.0), last, far));
+                out.push(offset(offset(p, outer[1], 1.0), heading, -far));
             }
         }
-        if smooth && !short {
-            let from = outer[usize::from(angle <= 0.0)].map(|v| -v);
-            let mut sector = vec![p, offset(p, from, 1.0)];
-            arc(&mut sector, p, from, angle.abs(), self.step);
-            sector.push(offset(p, outer[usize::from(angle > 0.0)], -1.0));
+        if smooth {
+            let [from, to] = if left { outer } else { [outer[1], outer[0]] };
+            let mut sector = vec![p, offset(p, from, -1.0)];
+            arc(&mut sector, p, from.map(|v| -v), angle.abs(), self.step, &self.window);
+            sector.push(offset(p, to, -1.0));
             self.apart(&sector)?;
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Ends a line with a cap.
@@ -375,7 +401,7 @@ impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
                 let front = offset(p, heading, self.radius);
                 points.extend([offset(front, normal, -1.0), offset(front, normal, 1.0)]);
             }
-            Cap::Round => arc(&mut points, p, normal.map(|v| -v), std::f64::consts::PI, self.step),
+            Cap::Round => arc(&mut points, p, normal.map(|v| -v), std::f64::consts::PI, self.step, &self.window),
         }
         points
     }
@@ -422,12 +448,28 @@ impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
     }
 }
 
-/// Appends the points of an arc around `p` between its ends, which are `from` away and that turned by `angle`.
-fn arc(points: &mut Vec<Point>, p: Point, from: [f64; 2], angle: f64, step: f64) {
-    let steps = (angle.abs() / step).ceil().clamp(1.0, ARC);
-    for k in 1..steps as u32 {
-        let (sine, cosine) = (angle * f64::from(k) / steps).sin_cos();
-        points.push([p[0] + from[0] * cosine - from[1] * sine, p[1] + from[0] * sine + from[1] * cosine]);
+/// Appends the points of an arc around `p` between its ends, which are `from` away and that turned by `angle`. What lies on one side of the
+/// window becomes its chord.
+fn arc(points: &mut Vec<Point>, p: Point, from: [f64; 2], angle: f64, step: f64, window: &Window) {
+    let steps = (angle.abs() / step).ceil().clamp(1.0, STEPS) as u64;
+    let turned = |k: u64| {
+        let (sine, cosine) = (angle * (k as f64 / steps as f64)).sin_cos();
+        [from[0] * cosine - from[1] * sine, from[0] * sine + from[1] * cosine]
+    };
+    let mut stack = vec![0..steps];
+    while let Some(Range { start, end }) = stack.pop() {
+        let part = angle * ((end - start) as f64 / steps as f64);
+        if end - start <= FEW || (part.abs() < 1.5 && {
+            let [a, b] = [turned(start), turned(end)];
+            let tip = [a[0] + b[0], a[1] + b[1]].map(|v| v / (1.0 + part.cos()));
+            beside(&[a, b, tip].map(|v| offset(p, v, 1.0)), window)
+        }) {
+            let first = if end - start <= FEW { start + 1 } else { end };
+            points.extend((first..=end).filter(|&k| k < steps).map(|k| offset(p, turned(k), 1.0)));
+        } else {
+            let middle = start + (end - start) / 2;
+            stack.extend([middle..end, start..middle]);
+        }
     }
 }
 

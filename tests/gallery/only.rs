@@ -12,6 +12,9 @@ use usvg::roxmltree::{Attribute, Document, Node, NodeId, ParsingOptions};
 
 const XLINK: &str = "http://www.w3.org/1999/xlink";
 
+/// Elements that carry markers.
+const SHAPES: [&str; 7] = ["path", "line", "polyline", "polygon", "rect", "circle", "ellipse"];
+
 pub fn options<'a>() -> ParsingOptions<'a> {
     ParsingOptions { allow_dtd: true, ..ParsingOptions::default() }
 }
@@ -59,7 +62,7 @@ pub fn painted(xml: &Document<'_>, id: &str) -> String {
             styles.set(node, "visibility", "hidden");
         } else if matches!(name, "clipPath" | "mask" | "pattern" | "marker") {
             styles.set(node, "visibility", visibility(node));
-        } else if marker.is_some() && matches!(name, "path" | "line" | "polyline" | "polygon") && !resources.contains(&node.id()) {
+        } else if marker.is_some() && SHAPES.contains(&name) && !resources.contains(&node.id()) {
             ["fill", "stroke"].iter().for_each(|property| styles.set(node, property, "none"));
             styles.set(node, "visibility", visibility(node));
         } else if own_visibility(node).is_some() && !kept.contains(&node.id()) && !resources.contains(&node.id()) {

@@ -90,6 +90,14 @@ fn much_of_one_thing() {
         ("an id of 5 MB", svg(&format!("<rect id='{}' width='5' height='5'/>", "é".repeat(2_500_000))), Drawn),
         ("a marker on much of a path", path(1_000_000, "marker-mid='url(#m)'", "<marker id='m'><path d='M0 0h1v1z'/></marker>"), Drawn),
         (
+            "multiplying markers on rectangles",
+            svg(&format!(
+                "{}<rect width='9' height='9' marker-mid='url(#m0)'/>",
+                chain(100, |i, j| format!("<marker id='m{i}'><rect width='9' height='9' marker-mid='url(#m{j})'/></marker>"))
+            )),
+            TOO_MANY,
+        ),
+        (
             "multiplying markers",
             svg(&format!(
                 "{}<path d='M0 0L1 1L2 2' marker-mid='url(#m0)'/>",

@@ -110,12 +110,12 @@ impl Notes {
         if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
             add(&format!("{} is outside the document and not read", quoted(outside)));
         }
-        let arcs = |a: &str| {
-            a.trim() == "arcs"
-                || a.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "stroke-linejoin" && v.trim() == "arcs"))
-        };
-        if attribute(node, "stroke-linejoin").is_some_and(arcs) || attribute(node, "style").is_some_and(arcs) {
+        if is_styled(node, "stroke-linejoin", "arcs") {
             add("joins of the kind arcs are not drawn: mitered instead");
+        }
+        if is_styled(node, "vector-effect", "non-scaling-stroke") {
+            add("strokes that do not scale are not drawn: scaled instead");
+        }
         }
     }
 }
@@ -123,6 +123,11 @@ impl Notes {
 /// Whether an element is drawn where it stands, if its parent is.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
-    let none = |style: &str| style.split(';').any(|d| d.split_once(':').is_some_and(|(p, v)| p.trim() == "display" && v.trim() == "none"));
-    !hidden && attribute(node, "display") != Some("none") && !attribute(node, "style").is_some_and(none)
+    !hidden && !is_styled(node, "display", "none")
+}
+
+/// Whether an attribute of an element or its `style` sets a property to that value.
+fn is_styled(node: Node<'_, '_>, property: &str, value: &str) -> bool {
+    let declared = |d: &str| d.split_once(':').is_some_and(|(p, v)| p.trim() == property && v.trim() == value);
+    attribute(node, property).is_some_and(|v| v.trim() == value) || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
 }

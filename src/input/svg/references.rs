@@ -128,8 +128,9 @@ impl<'a, 'i> Graph<'a, 'i> {
         let own = |id: NodeId| self.own.get(&id).into_iter().flatten();
         edges.extend(own(node.id()).filter(|r| r.property >= INHERITED).map(|r| Edge { to: r.to, markers: 0 }));
         let inherited = match node.tag_name().name() {
-            "path" | "line" | "polyline" | "polygon" => INHERITED,
-            "rect" | "circle" | "ellipse" | "text" | "tspan" | "use" => MARKERS.start,
+            // Markers on all of them, as usvg has it.
+            "path" | "line" | "polyline" | "polygon" | "rect" | "circle" | "ellipse" => INHERITED,
+            "text" | "tspan" | "use" => MARKERS.start,
             _ => 0,
         };
         for (property, setter) in self.setter[node.id().get_usize()].iter().enumerate().take(inherited) {
