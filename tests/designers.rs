@@ -163,7 +163,7 @@ fn nothing_is_lost(name: &str, file: File) {
     let warnings: Vec<_> = warnings.iter().map(|w| &w.what).take(5).collect();
     assert!(warnings.is_empty(), "{warnings:?}");
 
-    let info = info(&scene);
+    let info = info(&scene).unwrap();
     let entries: HashMap<&str, &Entry> = info.ids.iter().map(|e| (e.id.as_str(), e)).collect();
     assert_eq!(entries.len(), ids.len() + silent.len());
     for (id, expected) in &ids {

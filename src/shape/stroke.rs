@@ -459,11 +459,13 @@ fn arc(points: &mut Vec<Point>, p: Point, from: [f64; 2], angle: f64, step: f64,
     let mut stack = vec![0..steps];
     while let Some(Range { start, end }) = stack.pop() {
         let part = angle * ((end - start) as f64 / steps as f64);
-        if end - start <= FEW || (part.abs() < 1.5 && {
-            let [a, b] = [turned(start), turned(end)];
-            let tip = [a[0] + b[0], a[1] + b[1]].map(|v| v / (1.0 + part.cos()));
-            beside(&[a, b, tip].map(|v| offset(p, v, 1.0)), window)
-        }) {
+        if end - start <= FEW
+            || (part.abs() < 1.5 && {
+                let [a, b] = [turned(start), turned(end)];
+                let tip = [a[0] + b[0], a[1] + b[1]].map(|v| v / (1.0 + part.cos()));
+                beside(&[a, b, tip].map(|v| offset(p, v, 1.0)), window)
+            })
+        {
             let first = if end - start <= FEW { start + 1 } else { end };
             points.extend((first..=end).filter(|&k| k < steps).map(|k| offset(p, turned(k), 1.0)));
         } else {

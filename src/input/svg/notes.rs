@@ -116,18 +116,20 @@ impl Notes {
         if is_styled(node, "vector-effect", "non-scaling-stroke") {
             add("strokes that do not scale are not drawn: scaled instead");
         }
-        }
     }
 }
 
 /// Whether an element is drawn where it stands, if its parent is.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
-    !hidden && !is_styled(node, "display", "none")
+    // A branch of a switch for programs that know an extension.
+    let foreign = attribute(node, "requiredExtensions").is_some();
+    !hidden && !foreign && !is_styled(node, "display", "none")
 }
 
 /// Whether an attribute of an element or its `style` sets a property to that value.
 fn is_styled(node: Node<'_, '_>, property: &str, value: &str) -> bool {
     let declared = |d: &str| d.split_once(':').is_some_and(|(p, v)| p.trim() == property && v.trim() == value);
-    attribute(node, property).is_some_and(|v| v.trim() == value) || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
+    attribute(node, property).is_some_and(|v| v.trim() == value)
+        || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
 }
