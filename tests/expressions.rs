@@ -20,7 +20,14 @@ fn scene(ids: &[&str]) -> Scene {
         let area = scene.add_shape(shape);
         areas.push(area);
         let i = i as u32;
-        assert!(scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 }));
+        assert!(scene.add_name(Named {
+            id: id.to_owned(),
+            kind: "shape",
+            area,
+            shapes: std::iter::once(i..i + 1).collect(),
+            ink: None,
+            depth: 0
+        }));
     }
     scene.art = scene.formula.any(&areas);
     scene

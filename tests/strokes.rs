@@ -406,7 +406,14 @@ fn outlines_are_not_much_longer_than_the_path() {
         let mut circle = Path::default();
         circle.circle([50.0, 50.0], 40.0);
         let area = scene.add_shape(Shape { stroke: Some(stroke), ..Shape::new("s", circle) });
-        scene.add_name(runset::scene::Named { id: "s".to_owned(), kind: "path", area, shapes: 0..1, depth: 0 });
+        scene.add_name(runset::scene::Named {
+            id: "s".to_owned(),
+            kind: "path",
+            area,
+            shapes: std::iter::once(0..1).collect(),
+            ink: None,
+            depth: 0,
+        });
         info(&scene).unwrap().ids[0].edges
     };
     let (thin, thick) = (edges(Stroke::new(1.0)), edges(Stroke::new(20.0)));
@@ -470,7 +477,7 @@ fn stroke_and_fill_are_painted_in_their_order() {
         let scene = read(&format!(r#"<circle id="a" r="9" fill="blue" stroke="red" paint-order="{order}"/>"#)).0;
         let Picture::Layers(layers) = &scene.picture else { panic!("layers") };
         assert_eq!(layers.iter().map(|l| l.ink).collect::<Vec<_>>(), expected, "{order}");
-        assert_eq!(scene.named("a").unwrap().shapes, 0..2);
+        assert_eq!(scene.named("a").unwrap().shapes.first(), Some(&(0..2)));
     }
 }
 

@@ -358,7 +358,7 @@ fn black_and_white_masks_cut_what_is_painted() {
     assert_eq!(
         warnings,
         [
-            format!("an element in \"a\": {what}"),
+            format!("an element in \"m\": {what}"),
             format!("\"d\": {what}"),
             format!("an element in \"h\": {what}"),
             format!("\"i\": {what}")
@@ -397,8 +397,8 @@ fn warnings_name_what_stands_under_a_use() {
     assert_eq!(
         warnings,
         [
-            "\"r\": transparency is not drawn yet: painted opaque",
-            "an element in \"s\": gradients are not drawn yet: filled with the first stop's #ff0000"
+            "an element in \"s\": gradients are not drawn yet: filled with the first stop's #ff0000",
+            "\"r\": transparency is not drawn yet: painted opaque"
         ]
     );
 }
@@ -473,4 +473,63 @@ fn info_tells_bounds_edges_and_inks() {
             entry("e", "group", 0, None, 0, None),
         ]
     );
+}
+
+/// Bombs of references, deep and wide cuts: a scene or one line, soon.
+#[test]
+fn hostile_references_end_soon() {
+    let nested = |n: usize, around: &dyn Fn(usize) -> String, inside: &str| {
+        format!("{}{inside}{}", (0..n).map(around).collect::<String>(), "</g>".repeat(n))
+    };
+    let all = r#"x="0" y="0" width="16" height="8" maskUnits="userSpaceOnUse""#;
+    let named = |n: usize| (0..n).map(|i| format!("<rect id='r{i}' width='1' height='1'/>")).collect::<String>();
+    let cases = [
+        ("ids under a use", format!("<defs><g id='d'>{}</g></defs><use href='#d'/>", named(50_000))),
+        ("many uses of ids", format!("<defs><g id='d'>{}</g></defs>{}", named(100), "<use href='#d'/>".repeat(1_000))),
+        ("named groups", nested(490, &|i| format!("<g id='g{i}'>"), &"<rect width='1' height='1'/>".repeat(50_000))),
+        (
+            "groups cut at each level",
+            format!(
+                "<clipPath id='c'><rect width='9' height='9'/></clipPath>{}",
+                nested(
+                    240,
+                    &|i| format!("<g id='g{i}' clip-path='url(#c)' transform='translate(.1)'>"),
+                    &"<rect width='1' height='1'/>".repeat(20_000)
+                )
+            ),
+        ),
+        (
+            "a mask that goes to and fro",
+            format!(
+                "<mask id='m' {all}>{}</mask><rect width='16' height='8' mask='url(#m)'/>",
+                "<rect width='9' height='9' fill='white'/><rect width='5' height='5'/>".repeat(20_000)
+            ),
+        ),
+        ("one clip path, many places", {
+            let path = "L1 1L2 9".repeat(500);
+            let groups: String =
+                (0..3000).map(|i| format!("<g clip-path='url(#c)' transform='translate({i})'><rect width='1' height='1'/></g>")).collect();
+            format!("<clipPath id='c'><path d='M0 0{path}'/></clipPath>{groups}")
+        }),
+        ("equal ids", format!("<g>{}</g>", "<rect id='a' width='1' height='1'/>".repeat(100_000))),
+        ("underscores", format!("<!--{}--><g id='a'/><g id='a'/>", "_ ".repeat(5_000_000))),
+        ("a bomb with ids", {
+            let level = |i: usize| format!("<g id='l{i}'>{}</g>", format!("<use id='u{i}' href='#l{}'/>", i + 1).repeat(10));
+            format!(
+                "<defs>{}<g id='l9'><rect id='r' width='1' height='1'/></g></defs><use href='#l0'/>",
+                (0..9).map(level).collect::<String>()
+            )
+        }),
+        ("a page of 10^9", "<svg viewBox='0 0 1e9 1e9'><g id='a'><rect id='b' width='1e9' height='1'/></g></svg>".to_owned()),
+    ];
+    for (name, inside) in cases {
+        let start = std::time::Instant::now();
+        let result =
+            read(&inside).and_then(|(scene, _)| Ok(drop((info(&scene)?, Job::prepare(scene, &Options::default(), &mut Vec::new())?))));
+        // Each takes less than a second of processor time; the rest is for a busy machine.
+        assert!(start.elapsed().as_secs_f64() < 20.0, "{name} took {:?}", start.elapsed());
+        if let Err(error) = result {
+            assert!(!error.to_string().contains('\n') && !error.what.contains("the SVG library fails"), "{name}: {error}");
+        }
+    }
 }

@@ -58,13 +58,20 @@ pub fn info(scene: &Scene) -> Result<Info> {
         Ok((bounds, edges))
     };
     let of_shape: Vec<(Option<[f64; 4]>, u64)> = scene.shapes.iter().map(measure).collect::<Result<_>>()?;
+    // Edges of all shapes before each.
+    let edges_before: Vec<u64> = std::iter::once(0)
+        .chain(of_shape.iter().scan(0, |sum, shape| {
+            *sum += shape.1;
+            Some(*sum)
+        }))
+        .collect();
+    let edges = |shapes: &std::ops::Range<u32>| edges_before[shapes.end as usize] - edges_before[shapes.start as usize];
     let mut extents = Extents { formula: &scene.formula, of_shape: &of_shape, known: vec![None; scene.formula.gates().len()] };
     let ids = scene
         .names()
         .iter()
         .map(|named| {
             let bounds = extents.of(named.area);
-            let edges = named.shapes.iter().cloned().flatten().map(|shape| of_shape[shape as usize].1).sum();
             let [r, g, b] = named.ink.unwrap_or_default();
             Entry {
                 id: named.id.clone(),
@@ -72,7 +79,7 @@ pub fn info(scene: &Scene) -> Result<Info> {
                 depth: named.depth,
                 bounds,
                 bounds_mm: bounds.map(|b| b.map(|x| x * MM)),
-                edges,
+                edges: named.shapes.iter().map(edges).sum(),
                 ink: named.ink.map(|_| format!("#{r:02x}{g:02x}{b:02x}")),
             }
         })
@@ -103,7 +110,7 @@ impl Extents<'_> {
                     Gate::AtLeast(_, inputs) | Gate::Odd(inputs) => open.extend(inputs.iter().map(|i| i.area).filter(unknown)),
                 }
                 if open.len() == before {
-                    self.known[area.index()] = Some(self.from_inputs(area));
+                    self.known[area.index()] = Some(self.by_inputs(area));
                 }
             }
             if open.len() == before {
@@ -114,7 +121,7 @@ impl Extents<'_> {
     }
 
     /// The box of an area whose inputs' are known: within that of each input that it cannot do without, and of all that count for it.
-    fn from_inputs(&self, area: Area) -> Bounds {
+    fn by_inputs(&self, area: Area) -> Bounds {
         const EVERYWHERE: Bounds = Some([f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY]);
         let (least, inputs) = match &self.formula.gates()[area.index()] {
             Gate::Shape(shape) => return self.of_shape[*shape as usize].0,

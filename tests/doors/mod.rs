@@ -24,7 +24,7 @@ pub fn expression(bytes: &[u8]) {
     for (i, id) in (0..).zip(["a", "b", "c-d"]) {
         let shape = Shape::new(id, Path::default());
         let area = scene.add_shape(shape);
-        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: vec![i..i + 1], ink: None, depth: 0 });
+        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: std::iter::once(i..i + 1).collect(), ink: None, depth: 0 });
     }
     let mut warnings = Vec::new();
     let area = Expression::parse(text, &limits()).and_then(|e| scene.resolve(&e, &mut warnings));

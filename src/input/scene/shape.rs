@@ -39,7 +39,14 @@ impl<'de> Visitor<'de> for Shapes<'_, '_> {
             shape.name.clone_from(&id);
             let index = u32::try_from(reader.scene.shapes.len()).map_err(A::Error::custom)?;
             let area = reader.scene.add_shape(shape);
-            reader.scene.add_name(Named { id, kind: "shape", area, shapes: vec![index..index + 1], ink: None, depth: 0 });
+            reader.scene.add_name(Named {
+                id,
+                kind: "shape",
+                area,
+                shapes: std::iter::once(index..index + 1).collect(),
+                ink: None,
+                depth: 0,
+            });
         }
         reader.within.clear();
         Ok(())

@@ -22,6 +22,10 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         drawn.insert(id, everything);
     }
     let nothing = scene.formula.any(&[]);
+    let mut changes = vec![0; paints.len()];
+    for i in 1..paints.len() {
+        changes[i] = changes[i - 1] + u32::from(paints[i].1 != paints[i - 1].1);
+    }
     let mut depths: Vec<u32> = Vec::new();
     let mut twice = HashSet::new();
     for node in xml.descendants() {
@@ -29,7 +33,7 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         depths.push(depth);
         let Some(id) = named(node) else { continue };
         let (area, shapes, ink) = match drawn.get(id) {
-            Some(drawn) => (whole(drawn, &mut scene.formula), shapes(drawn, &paints), ink(drawn, &paints)),
+            Some(drawn) => (whole(drawn, &mut scene.formula), shapes(drawn, &paints), ink(drawn, &paints, &changes)),
             None => (nothing, Vec::new(), None),
         };
         let kind = kind(node.tag_name().name());
@@ -55,19 +59,23 @@ fn whole(drawn: &Drawn, formula: &mut Formula) -> Area {
 /// The shapes that paint an element.
 fn shapes(drawn: &Drawn, paints: &[(u32, Rgb)]) -> Vec<Range<u32>> {
     let mut ranges: Vec<Range<u32>> = Vec::new();
-    for &(shape, _) in drawn.places().flat_map(|(_, range)| &paints[range]) {
-        match ranges.last_mut() {
-            Some(last) if last.end == shape => last.end += 1,
-            _ => ranges.push(shape..shape + 1),
+    for place in drawn.places().map(|(_, range)| &paints[range]).filter(|place| !place.is_empty()) {
+        let (first, last) = (place[0].0, place[place.len() - 1].0);
+        // In most drawings nothing stands between them.
+        if last - first == place.len() as u32 - 1 {
+            ranges.push(first..last + 1);
+            continue;
         }
+        ranges.extend(place.chunk_by(|a, b| a.0 + 1 == b.0).map(|run| run[0].0..run[run.len() - 1].0 + 1));
     }
     ranges
 }
 
-/// The ink of an element, if it is of one colour.
-fn ink(drawn: &Drawn, paints: &[(u32, Rgb)]) -> Option<Rgb> {
-    let mut inks = drawn.places().flat_map(|(_, range)| &paints[range]).map(|p| p.1);
-    inks.next().filter(|&first| inks.all(|ink| ink == first))
+/// The ink of an element, if it is of one colour. `changes` counts for every shape how often the ink has changed up to it.
+fn ink(drawn: &Drawn, paints: &[(u32, Rgb)], changes: &[u32]) -> Option<Rgb> {
+    let places = || drawn.places().map(|(_, range)| range).filter(|range| !range.is_empty());
+    let first = paints[places().next()?.start].1;
+    places().all(|range| paints[range.start].1 == first && changes[range.start] == changes[range.end - 1]).then_some(first)
 }
 
 /// The id of an element of SVG.

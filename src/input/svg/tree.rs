@@ -116,7 +116,7 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits,
             }
             None => {
                 let done = way.pop().expect("there was a last step");
-                walk.leave(done)?;
+                walk.leave(&done)?;
             }
         }
     }
@@ -214,15 +214,18 @@ impl<'t> Walk<'t, '_, '_> {
             Cutter::Mask(mask) => (mask.root(), IDENTITY, Some(mask.kind())),
         };
         self.sinks.push(Sink { mask, ..Sink::default() });
-        let element = self.element(group, outer.element);
+        let element = match cutter {
+            Cutter::Clip(_) => self.element(group, outer.element),
+            Cutter::Mask(mask) => Element { id: mask.id(), own: false },
+        };
         Step { cutter: Some((cutter, cutter.key(transform))), ..Step::new(root, product(transform, inner), element) }
     }
 
-    fn leave(&mut self, step: Step<'t>) -> Result<()> {
+    fn leave(&mut self, step: &Step<'t>) -> Result<()> {
         if let Some((cutter, key)) = step.cutter {
             let sink = self.sinks.pop().expect("a cutter has its own sink");
             let frame = match cutter {
-                Cutter::Mask(mask) => Some(self.frame(mask, &step)?),
+                Cutter::Mask(mask) => Some(self.frame(mask, step)?),
                 Cutter::Clip(_) => None,
             };
             self.cuts.add(cutter, key, sink, frame, &mut self.walked.scene.formula);
