@@ -73,7 +73,7 @@ fn a0_at_2400_dpi_streams_in_64_mib() {
         // A busy machine delays the start of a process by more than the program takes to its first bytes: one quiet run of five shows it.
         let arguments = [&["--dpi", "2400", "--format", "pbm"], expression].concat();
         let early = |run: &Run| run.first < run.whole / 10;
-        assert!(early(&large) || (0..4).any(|_| early(&self::run(&arguments))), "first bytes after {:?} of {:?}", large.first, large.whole);
+        assert!(early(&large) || (0..4).any(|_| early(&run(&arguments))), "first bytes after {:?} of {:?}", large.first, large.whole);
 
         let small = run(&[&["--dpi", "600", "--format", "pbm"], expression].concat());
         let counted = |run: &Run| run.stats["lines_counted"].as_u64().expect("a number");
