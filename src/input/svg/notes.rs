@@ -122,7 +122,9 @@ impl Notes {
 /// Whether an element is drawn where it stands, if its parent is.
 fn is_drawn(node: Node<'_, '_>) -> bool {
     let hidden = matches!(node.tag_name().name(), "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker");
-    !hidden && !is_styled(node, "display", "none")
+    // A branch of a switch for programs that know an extension.
+    let foreign = attribute(node, "requiredExtensions").is_some();
+    !hidden && !foreign && !is_styled(node, "display", "none")
 }
 
 /// Whether an attribute of an element or its `style` sets a property to that value.

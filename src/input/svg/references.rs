@@ -21,6 +21,9 @@ const DEFINITIONS: usize = 30_000;
 /// Most children of a gradient: those that `usvg` leaves out cost a move of all behind them.
 const STOPS: usize = 20_000;
 
+/// Most steps of laying out text: those of a `text` are as the square of its length.
+const LAYOUT: u64 = 1 << 32;
+
 /// Properties that refer to elements. Shapes inherit the first [`INHERITED`].
 const PROPERTIES: [&str; 8] = ["fill", "stroke", "marker-start", "marker-mid", "marker-end", "clip-path", "mask", "filter"];
 const INHERITED: usize = 5;
@@ -40,7 +43,7 @@ pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<Styles
 /// Number of elements and how deep they are nested.
 fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
     let mut depths: Vec<u32> = Vec::new();
-    let (mut elements, mut definitions, mut deepest) = (0, 0, 0);
+    let (mut elements, mut definitions, mut deepest, mut layout) = (0, 0, 0, 0_u64);
     for node in xml.descendants() {
         let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + 1);
         depths.push(depth);
@@ -48,6 +51,13 @@ fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
         elements += u64::from(node.is_element());
         let name = node.tag_name().name();
         definitions += usize::from(matches!(name, "linearGradient" | "radialGradient" | "pattern" | "clipPath" | "mask" | "filter"));
+        if name == "text" {
+            let length = node.descendants().filter(Node::is_text).filter_map(|n| n.text()).fold(0_u64, |sum, t| sum + t.len() as u64);
+            layout = layout.saturating_add(length.saturating_mul(length));
+        }
+        if layout > LAYOUT {
+            return Err(at(node, Kind::Limit, "more text than can be laid out in time: split the text into several elements".to_owned()));
+        }
         if depth > DEEPEST {
             return Err(at(node, Kind::Limit, format!("elements nested more than {DEEPEST} deep: flatten the groups")));
         }
@@ -128,12 +138,13 @@ impl<'a, 'i> Graph<'a, 'i> {
         let own = |id: NodeId| self.own.get(&id).into_iter().flatten();
         edges.extend(own(node.id()).filter(|r| r.property >= INHERITED).map(|r| Edge { to: r.to, markers: 0 }));
         let inherited = match node.tag_name().name() {
-            "path" | "line" | "polyline" | "polygon" => INHERITED,
-            "rect" | "circle" | "ellipse" | "text" | "tspan" | "use" => MARKERS.start,
+            // Markers on all of them, as usvg has it.
+            "path" | "line" | "polyline" | "polygon" | "rect" | "circle" | "ellipse" => INHERITED,
+            "text" | "tspan" | "use" => MARKERS.start,
             _ => 0,
         };
         for (property, setter) in self.setter[node.id().get_usize()].iter().enumerate().take(inherited) {
-            let markers = if MARKERS.contains(&property) { vertices(node) } else { 0 };
+            let markers = if MARKERS.contains(&property) { vertices(node) + 4 } else { 0 };
             let references = setter.iter().flat_map(|&s| own(s)).filter(|r| r.property == property);
             edges.extend(references.map(|r| Edge { to: r.to, markers }));
         }
@@ -146,20 +157,21 @@ impl<'a, 'i> Graph<'a, 'i> {
             node: Node<'a, 'i>,
             edges: Vec<Edge>,
             size: u64,
+            vertices: u64,
             depth: u32,
         }
         #[derive(Clone, Copy)]
         enum Seen {
             Not,
             OnTheWay,
-            Whole { size: u64, depth: u32 },
+            Whole { size: u64, vertices: u64, depth: u32 },
         }
-        let step = |node| Step { node, edges: self.edges(node), size: 1, depth: 0 };
+        let step = |node| Step { node, edges: self.edges(node), size: 1, vertices: vertices(node), depth: 0 };
         let mut seen = vec![Seen::Not; self.setter.len()];
         let mut way = vec![step(self.xml.root_element())];
         while let Some(here) = way.last_mut() {
             let Some(&edge) = here.edges.last() else {
-                seen[here.node.id().get_usize()] = Seen::Whole { size: here.size, depth: here.depth };
+                seen[here.node.id().get_usize()] = Seen::Whole { size: here.size, vertices: here.vertices, depth: here.depth };
                 way.pop();
                 continue;
             };
@@ -177,8 +189,9 @@ impl<'a, 'i> Graph<'a, 'i> {
                     let what = format!("<{tag}> {id} is drawn within itself, through what it refers to: break the circle");
                     return Err(at(to, Kind::Refused, what));
                 }
-                Seen::Whole { size, depth } => {
+                Seen::Whole { size, vertices, depth } => {
                     here.size = here.size.saturating_add(size.saturating_mul(edge.markers.max(1)));
+                    here.vertices = here.vertices.saturating_add(vertices.saturating_mul(edge.markers.max(1)));
                     here.depth = here.depth.max(depth + 1);
                 }
             }
@@ -187,9 +200,11 @@ impl<'a, 'i> Graph<'a, 'i> {
                 let what = format!("elements more than {DEEPEST} deep, references followed: shorten the chain");
                 return Err(at(here.node, Kind::Limit, what));
             }
-            if here.size > limits.nodes {
-                let what = format!("more than {} elements when all references are written out: use fewer", limits.nodes);
-                return Err(at(here.node, Kind::Limit, what));
+            for (count, limit, what) in [(here.size, limits.nodes, "elements"), (here.vertices, limits.edges, "vertices")] {
+                if count > limit {
+                    let what = format!("more than {limit} {what} when all references are written out: use fewer");
+                    return Err(at(here.node, Kind::Limit, what));
+                }
             }
         }
         Ok(())
@@ -204,9 +219,9 @@ struct Edge {
     markers: u64,
 }
 
-/// An upper bound of the number of vertices of a shape, from the length of its text.
+/// An upper bound of the number of vertices that are written out for a shape, from the length of its text.
 fn vertices(node: Node<'_, '_>) -> u64 {
-    attribute(node, "d").or(attribute(node, "points")).map_or(0, str::len) as u64 / 2 + 4
+    attribute(node, "d").or(attribute(node, "points")).map_or(0, str::len) as u64 / 2
 }
 
 /// The ids in the `url(#id)` of a value.

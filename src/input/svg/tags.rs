@@ -151,7 +151,7 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
 impl Around {
     /// Whether `usvg` loses the id of an element of that name that stands here.
     fn loses(self, name: &str) -> bool {
-        let shape = matches!(name, "path" | "line" | "polyline" | "polygon");
+        let shape = matches!(name, "path" | "line" | "polyline" | "polygon" | "rect" | "circle" | "ellipse");
         self.used || self.marker || (self.text && is_part(name)) || matches!(name, "svg" | "symbol" | "switch") || (self.marked && shape)
     }
 }

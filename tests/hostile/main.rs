@@ -4,10 +4,12 @@
 
 #![allow(clippy::unwrap_used)] // all of this is tests
 
+mod svg;
+
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use flate2::Compression;
@@ -20,15 +22,22 @@ const MEMORY: u64 = 256 << 10;
 const MANY: usize = 100_000;
 
 /// What is right.
+#[derive(Clone, Copy)]
 enum Right {
     /// The area of this expression over the squares of [`scene`].
     Area(&'static str),
     /// This text somewhere in the stream.
     Holds(&'static str),
+    /// Anything; it ends well.
+    Drawn,
+    /// It ends well, with a warning that has this in it.
+    Warned(&'static str),
+    /// Either of them will do.
+    Either(&'static Right, &'static Right),
     /// One line that begins with the input's name and has this in it, exit status 1.
     Refused(&'static str),
 }
-use Right::{Area, Holds, Refused};
+use Right::{Area, Drawn, Either, Holds, Refused, Warned};
 
 fn binary() -> (PathBuf, Duration) {
     match std::env::var_os("RUNSET_RELEASE") {
@@ -88,14 +97,22 @@ fn fault(command: &str, input: &std::path::Path, right: &Right) -> Option<String
         return Some(format!("{peak} KiB"));
     }
     let (out, err) = (fs::read_to_string(&out).unwrap(), fs::read_to_string(&err).unwrap());
+    told_wrong(right, status, &out, &err)
+}
+
+/// What is wrong with how a run ended and what it said.
+fn told_wrong(right: &Right, status: ExitStatus, out: &str, err: &str) -> Option<String> {
     let begin: String = err.chars().take(300).collect();
     match right {
+        Either(one, other) => told_wrong(one, status, out, err).and_then(|_| told_wrong(other, status, out, err)),
         Refused(what) => {
             let line =
                 err.lines().count() == 1 && err.contains("/in: ") | err.contains("/in:1:") | err.contains("/in:2:") && err.contains(what);
             (status.code() != Some(1) || !line || !out.is_empty()).then(|| format!("{status}, wanted {what:?}: {begin}"))
         }
         _ if status.code() != Some(0) => Some(format!("{status}: {begin}")),
+        Drawn => None,
+        Warned(what) => (!err.lines().any(|line| line.contains(what))).then(|| format!("no warning {what:?}: {begin}")),
         Area(expr) => (out != picture(expr)).then(|| format!("not the picture of {expr}: {begin}")),
         Holds(text) => (!out.contains(text)).then(|| format!("nowhere {text}: {begin}")),
     }
