@@ -244,7 +244,8 @@ fn joins_are_those_worked_out_by_hand() {
     compare(corner, &of(Join::MiterClip, 1.0), &[&with(&[[55., 52.071], [52.071, 55.]])]);
     compare(corner, &of(Join::MiterClip, 1.5), &[&with(&[[55., 55.]])]);
     // The same corner, turned the other way, in a closed square: outside 20 to 70, inside 30 to 60.
-    let square = [rectangle(20., 20., 70., 30.), rectangle(20., 60., 70., 70.), rectangle(20., 20., 30., 70.), rectangle(60., 20., 70., 70.)];
+    let square =
+        [rectangle(20., 20., 70., 30.), rectangle(20., 60., 70., 70.), rectangle(20., 20., 30., 70.), rectangle(60., 20., 70., 70.)];
     let square: Vec<&[Point]> = square.iter().map(|r| &r[..]).collect();
     compare("M25 25H65V65H25Z", &of(Join::Miter, 4.0), &square);
     compare("M25 25V65H65V25Z", &of(Join::Miter, 4.0), &square);
@@ -256,7 +257,8 @@ fn joins_are_those_worked_out_by_hand() {
     let (dx, dy) = (5.0 * 30_f64.to_radians().cos(), 5.0 * 30_f64.to_radians().sin());
     let ring = [[10., 45.], [inner, 45.], [30. - dx, 15.358_984 + dy], [30. + dx, 15.358_984 - dy], [tip, 55.], [10., 55.]];
     compare(sharp, &of(Join::Miter, 2.0), &[&ring]);
-    let bevel = [[10., 45.], [inner, 45.], [30. - dx, 15.358_984 + dy], [30. + dx, 15.358_984 - dy], [50. + dx, 50. - dy], [50., 55.], [10., 55.]];
+    let bevel =
+        [[10., 45.], [inner, 45.], [30. - dx, 15.358_984 + dy], [30. + dx, 15.358_984 - dy], [50. + dx, 50. - dy], [50., 55.], [10., 55.]];
     compare(sharp, &of(Join::Miter, 1.99), &[&bevel]);
     // There and back: a miter has no end, so it is a bevel, and that is nothing.
     compare("M20 50H60H30", &of(Join::Miter, 1e9), &[&rectangle(20., 45., 60., 55.)]);
@@ -359,12 +361,11 @@ fn far_geometry_costs_what_is_seen_of_it() {
     let dashed = |a: f64, b: f64| Stroke { dashes: vec![a, b], ..solid.clone() };
     // A line of two million kilometres, and where its dashes lie after half of them: 10^9 is 10 more than a multiple of 30.
     compare("M-1e9 50H1e9", &solid, &[&rectangle(-9., 45., 200., 55.)]);
-    compare("M-1e9 50H1e9", &dashed(20.0, 10.0), &[
-        &rectangle(-9., 45., 10., 55.),
-        &rectangle(20., 45., 40., 55.),
-        &rectangle(50., 45., 70., 55.),
-        &rectangle(80., 45., 100., 55.),
-    ]);
+    compare(
+        "M-1e9 50H1e9",
+        &dashed(20.0, 10.0),
+        &[&rectangle(-9., 45., 10., 55.), &rectangle(20., 45., 40., 55.), &rectangle(50., 45., 70., 55.), &rectangle(80., 45., 100., 55.)],
+    );
     for d in ["M-1e30 -1e30L1e30 1e30", "M0 0C1e20 0 1e20 1e20 0 1e20", "M1e300 0L-1e300 1Z", "M-1e9 0Q50 1e9 1e9 0", "M1e9 1e9h1v1z"] {
         for width in [1e-30, 1.0, 1e6, 1e30] {
             for style in [solid.clone(), dashed(3.0, 2.0), dashed(1e-3, 1e20)] {
@@ -379,7 +380,8 @@ fn far_geometry_costs_what_is_seen_of_it() {
             }
         }
     }
-    for transform in [[0.0; 6], [1e-300, 0.0, 0.0, 1e-300, 50.0, 50.0], [1e200, 0.0, 0.0, 1e-200, 0.0, 0.0], [1.0, 2.0, 2.0, 4.0, 0.0, 0.0]] {
+    for transform in [[0.0; 6], [1e-300, 0.0, 0.0, 1e-300, 50.0, 50.0], [1e200, 0.0, 0.0, 1e-200, 0.0, 0.0], [1.0, 2.0, 2.0, 4.0, 0.0, 0.0]]
+    {
         let ran = job(path("M0 0L50 50C1 2 3 4 5 6Z"), Stroke { join: Join::Round, cap: Cap::Round, ..dashed(1.0, 1.0) }, transform);
         if let Ok(job) = ran {
             rows(&job);
@@ -462,7 +464,9 @@ fn an_element_is_its_fill_and_its_stroke() {
 
 #[test]
 fn stroke_and_fill_are_painted_in_their_order() {
-    for (order, expected) in [("normal", [[0, 0, 255], [255, 0, 0]]), ("stroke", [[255, 0, 0], [0, 0, 255]]), ("markers stroke", [[255, 0, 0], [0, 0, 255]])] {
+    for (order, expected) in
+        [("normal", [[0, 0, 255], [255, 0, 0]]), ("stroke", [[255, 0, 0], [0, 0, 255]]), ("markers stroke", [[255, 0, 0], [0, 0, 255]])]
+    {
         let scene = read(&format!(r#"<circle id="a" r="9" fill="blue" stroke="red" paint-order="{order}"/>"#)).0;
         let Picture::Layers(layers) = &scene.picture else { panic!("layers") };
         assert_eq!(layers.iter().map(|l| l.ink).collect::<Vec<_>>(), expected, "{order}");

@@ -33,12 +33,7 @@ const LARGE: f64 = 655_360.0;
 ///
 /// # Errors
 /// The first that `ring` returns.
-pub(super) fn rings(
-    path: &Path,
-    transform: &Transform,
-    how: &Flattening,
-    mut ring: impl FnMut(&[Point]) -> Result<()>,
-) -> Result<()> {
+pub(super) fn rings(path: &Path, transform: &Transform, how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
     match transform {
         Transform::Affine(matrix) => {
             let mut points = Vec::new();

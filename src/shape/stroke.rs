@@ -179,11 +179,9 @@ impl<'n, R: FnMut(&[Point]) -> Result<()>> Walk<'n, R> {
         let how = self.how;
         let mut result = Ok(());
         flatten(*cubic, &how, |part, range, vertex| {
-            if result.is_ok() {
-                if let Some((heading, chord)) = direction(self.at, vertex, least) {
-                    let length = if self.dashes.is_some() { length(part, range).max(chord) } else { chord };
-                    result = self.straight(vertex, heading, length, true);
-                }
+            if let (Ok(()), Some((heading, chord))) = (&result, direction(self.at, vertex, least)) {
+                let length = if self.dashes.is_some() { length(part, range).max(chord) } else { chord };
+                result = self.straight(vertex, heading, length, true);
             }
         });
         self.tangent = Some(to);
@@ -348,7 +346,8 @@ impl<R: FnMut(&[Point]) -> Result<()>> Pen<R> {
         let short = cosine > 0.0 && self.radius * sine.abs() <= 0.5 * length.min(self.length);
         let (out, inner) = if left { (&mut self.forward, &mut self.backward) } else { (&mut self.backward, &mut self.forward) };
         if short && out.len().min(inner.len()) > 1 && if round { angle.abs() <= self.step } else { mitered } {
-            (out.pop(), inner.pop());
+            out.pop();
+            inner.pop();
             out.push(offset(p, miter, 1.0));
             inner.push(offset(p, miter, -1.0));
             return Ok(true);
@@ -456,19 +455,21 @@ fn arc(points: &mut Vec<Point>, p: Point, from: [f64; 2], angle: f64, step: f64,
         let (sine, cosine) = (angle * (k as f64 / steps as f64)).sin_cos();
         [from[0] * cosine - from[1] * sine, from[0] * sine + from[1] * cosine]
     };
-    let mut stack = vec![0..steps];
-    while let Some(Range { start, end }) = stack.pop() {
+    let mut stack = vec![(0, steps)];
+    while let Some((start, end)) = stack.pop() {
         let part = angle * ((end - start) as f64 / steps as f64);
-        if end - start <= FEW || (part.abs() < 1.5 && {
-            let [a, b] = [turned(start), turned(end)];
-            let tip = [a[0] + b[0], a[1] + b[1]].map(|v| v / (1.0 + part.cos()));
-            beside(&[a, b, tip].map(|v| offset(p, v, 1.0)), window)
-        }) {
+        if end - start <= FEW
+            || (part.abs() < 1.5 && {
+                let [a, b] = [turned(start), turned(end)];
+                let tip = [a[0] + b[0], a[1] + b[1]].map(|v| v / (1.0 + part.cos()));
+                beside(&[a, b, tip].map(|v| offset(p, v, 1.0)), window)
+            })
+        {
             let first = if end - start <= FEW { start + 1 } else { end };
             points.extend((first..=end).filter(|&k| k < steps).map(|k| offset(p, turned(k), 1.0)));
         } else {
             let middle = start + (end - start) / 2;
-            stack.extend([middle..end, start..middle]);
+            stack.extend([(middle, end), (start, middle)]);
         }
     }
 }
@@ -526,12 +527,7 @@ fn seen(&[a, b, c, d, e, f]: &[f64; 6], &[left, top, right, bottom]: &Window, ma
     let back = |x: f64, y: f64| [(d * (x - e) - c * (y - f)) / determinant, (a * (y - f) - b * (x - e)) / determinant];
     let corners = [back(left, top), back(right, top), back(left, bottom), back(right, bottom)];
     let bound = |axis: usize, f: fn(f64, f64) -> f64| corners.iter().map(|p| p[axis]).fold(corners[0][axis], f);
-    let window = [
-        bound(0, f64::min) - margin,
-        bound(1, f64::min) - margin,
-        bound(0, f64::max) + margin,
-        bound(1, f64::max) + margin,
-    ];
+    let window = [bound(0, f64::min) - margin, bound(1, f64::min) - margin, bound(0, f64::max) + margin, bound(1, f64::max) + margin];
     (determinant != 0.0 && window.iter().all(|v| v.is_finite())).then_some(window)
 }
 

@@ -155,12 +155,17 @@ fn progress_is_for_terminals_unless_asked_for() {
 }
 
 #[test]
-fn options_that_have_no_effect_say_so() {
-    let ran = Folder::new().run("fill scene.json --format pbm --font a.ttf --font b.ttf --system-fonts");
-    assert_eq!((ran.status, ran.stdout.as_slice()), (Some(0), PBM));
-    let lines = "runset: warning: --font has no effect: text is not drawn yet\n\
-                 runset: warning: --system-fonts has no effect: text is not drawn yet\n";
-    assert_eq!(ran.stderr, lines);
+fn fonts_are_read_and_refused_by_name() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("fill scene.json --format pbm --system-fonts").done(), PBM);
+    folder.put("a.ttf", "not a font");
+    for (font, line) in [
+        ("a.ttf", "a.ttf: no font that can be read: give a TrueType or OpenType file\n"),
+        ("b.ttf", "b.ttf: cannot read: no such file or directory\n"),
+    ] {
+        let ran = folder.run(&format!("fill scene.json --format pbm --font {font}"));
+        assert_eq!((ran.status, ran.stdout.as_slice(), ran.stderr.to_lowercase()), (Some(1), &b""[..], line.to_lowercase()));
+    }
 }
 
 #[test]

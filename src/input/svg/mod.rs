@@ -55,6 +55,7 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     }
     references::check(&xml, limits)?;
     numbers::check(&xml)?;
+    text::check(&xml)?;
     let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
     let mut notes = Notes::new(warnings);
     notes.read(&xml);

@@ -108,5 +108,6 @@ fn is_drawn(node: Node<'_, '_>) -> bool {
 /// Whether an attribute of an element or its `style` sets a property to that value.
 fn is_styled(node: Node<'_, '_>, property: &str, value: &str) -> bool {
     let declared = |d: &str| d.split_once(':').is_some_and(|(p, v)| p.trim() == property && v.trim() == value);
-    attribute(node, property).is_some_and(|v| v.trim() == value) || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
+    attribute(node, property).is_some_and(|v| v.trim() == value)
+        || attribute(node, "style").is_some_and(|style| style.split(';').any(declared))
 }
