@@ -1,9 +1,8 @@
 //! Paths, fill rules, strokes and transforms: a shape before it meets the grid.
 //!
 //! [`flatten`] turns a path under a transform into rings of points in pixels; [`projective`] does it under a homography, [`stroke`] for the line along
-//! a path, with [`dashes`].
+//! a path.
 
-mod dashes;
 pub mod flatten;
 mod projective;
 mod stroke;
