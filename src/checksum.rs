@@ -233,7 +233,7 @@ mod tests {
         for y in (0..1 << 23).step_by(4096) {
             sum.add(Lines { y, n: 4096, runs: &[] });
         }
-        assert!(started.elapsed().as_secs_f64() < 1.0, "{:?}", started.elapsed());
+        assert!(started.elapsed().as_secs_f64() < 10.0, "{:?}", started.elapsed());
         // 2^40 zero bytes, put together by a library from two halves, again and again.
         let mut half = crc32fast::Hasher::new();
         half.update(&[0]);

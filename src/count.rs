@@ -1,7 +1,7 @@
 //! A boolean expression as counters: what a walk along a scanline updates at every edge it crosses.
 //!
 //! Every node is one integer and one rule. Crossing an edge adds to a leaf; a node whose truth flips adds its weight to its parents,
-//! and the news stops where nothing flips. Paper 000, section 2.2.3, has one counter C for one AND, OR or difference; nested, it
+//! and the news stops where nothing flips. "CSG" in ARCHITECTURE.md, section 2.2.3, has one counter C for one AND, OR or difference; nested, it
 //! serves any expression without expanding it:
 //!
 //! ```text

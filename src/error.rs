@@ -27,6 +27,38 @@ impl Place {
     }
 }
 
+/// Places in a text; asked for from its start to its end, all of them cost one pass.
+pub struct Places<'t> {
+    text: &'t [u8],
+    byte: usize,
+    /// The place of `byte`.
+    place: Place,
+}
+
+impl<'t> Places<'t> {
+    /// Places in `text`.
+    pub fn new(text: &'t [u8]) -> Places<'t> {
+        Places { text, byte: 0, place: Place { line: 1, column: 1 } }
+    }
+
+    /// The text.
+    pub fn text(&self) -> &'t [u8] {
+        self.text
+    }
+
+    /// What [`Place::of_byte`] says, for the start of a character.
+    pub fn of_byte(&mut self, offset: usize) -> Place {
+        if offset < self.byte {
+            *self = Places::new(self.text);
+        }
+        let step = Place::of_byte(&self.text[self.byte..], offset - self.byte);
+        let column = if step.line == 1 { self.place.column.saturating_add(step.column - 1) } else { step.column };
+        self.place = Place { line: self.place.line.saturating_add(step.line - 1), column };
+        self.byte = offset.min(self.text.len());
+        self.place
+    }
+}
+
 /// What an error or a warning speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -156,6 +188,10 @@ mod tests {
         assert_eq!(Place::of_byte(text, 3), Place { line: 1, column: 3 });
         assert_eq!(Place::of_byte(text, 6), Place { line: 2, column: 2 });
         assert_eq!(Place::of_byte(text, 99), Place { line: 2, column: 3 });
+        let mut places = Places::new(text);
+        for offset in [1, 3, 3, 4, 6, 99, 99, 0, 5] {
+            assert_eq!(places.of_byte(offset), Place::of_byte(text, offset), "{offset}");
+        }
     }
 
     #[test]

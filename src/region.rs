@@ -1,7 +1,7 @@
 //! From active edges to runs: the walk along a scanline that counts shapes in and out.
 //!
 //! Edges in one column are counted together, then the topmost layer that holds is looked up; where its ink changes, a run ends or begins
-//! (paper 000, section 2.2.3, step 3, and 3.2 for layers: the paper's list of active polygons by priority is a bit set of layers here).
+//! ("CSG" in ARCHITECTURE.md, section 2.2.3, step 3, and 3.2 for layers: the paper's list of active polygons by priority is a bit set of layers here).
 //!
 //! ```text
 //!   columns    2     5     5     9            the walk of  a - b

@@ -1,7 +1,7 @@
 //! The sweep: scanline after scanline, the active edges in the order of their columns.
 //!
-//! Edges come in [`Chain`]s: edges of one tag that follow each other downwards without a gap. Chains are sorted by their first
-//! scanline (the y-entry lists of paper 000, section 2.1.2, laid end to end, so that no array is as long as the page); the active
+//! Edges come in chains: edges of one tag that follow each other downwards without a gap. Chains are sorted by their first
+//! scanline (the y-entry lists of "CSG" in ARCHITECTURE.md, section 2.1.2, laid end to end, so that no array is as long as the page); the active
 //! list takes those that begin, drops those that end, and steps the others, all in integers. Where an edge ends and its chain goes on, the
 //! next edge takes its place in the list: that is no event, so finer flattening causes none.
 //!
@@ -50,7 +50,7 @@ pub struct Edges<T> {
     width: i32,
     edges: Vec<Edge>,
     chains: Vec<Chain<T>>,
-    /// For every [`BLOCK`] chains, the scanline behind the last of any: finds who is active at a given scanline.
+    /// For every `BLOCK` chains, the scanline behind the last of any: finds who is active at a given scanline.
     reach: Vec<u32>,
 }
 
@@ -148,8 +148,9 @@ struct Active {
 /// A sweep over a range of scanlines: the active list, and where it stands. The edges are lent to each call, so that a suspended sweep is only its list.
 #[derive(Clone, Debug)]
 pub struct Sweep<T> {
+    /// The scanlines still to come.
     rows: Range<u32>,
-    /// The scanline of the list, and how many like it were announced; `rows.start` is the one that comes next.
+    /// The first chain that has not entered.
     entry: usize,
     columns: Vec<i32>,
     /// `ties[i]`: edge i is in the column of edge i - 1.
@@ -371,5 +372,151 @@ impl<T: Copy> Sweep<T> {
             *tie = now;
         }
         parted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A small linear congruential generator: tests only need variety.
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, n: i64) -> i64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as i64 % n
+        }
+    }
+
+    /// Chains as they were added: first scanline and edges.
+    type Drawing = Vec<(u32, Vec<Edge>)>;
+
+    const WIDTH: u32 = 40;
+    const HEIGHT: i64 = 60;
+
+    /// Random chains of few or many edges, some upright; the tag is the chain's index.
+    fn drawing(random: &mut Random) -> Drawing {
+        let upright = random.below(3) == 0;
+        (0..random.below(30))
+            .map(|_| {
+                let first = random.below(HEIGHT);
+                let (mut row, mut x) = (first, random.below(60) * 256 - 2560);
+                let mut edges = Vec::new();
+                for _ in 0..=random.below(5) {
+                    let last = (row + 1 + random.below(12)).min(HEIGHT);
+                    if last <= row {
+                        break;
+                    }
+                    let to = if upright || random.below(4) == 0 { x } else { x + random.below(8000) - 4000 };
+                    let line = Line::through([x, row * 256 + 1], [to, last * 256 + 1], row as u32, (last - row) as u32);
+                    edges.push(Edge { last: last as u32, line });
+                    (row, x) = (last, to);
+                }
+                (first as u32, edges)
+            })
+            .collect()
+    }
+
+    fn table(drawing: &Drawing) -> Edges<usize> {
+        let mut edges = Edges::new(WIDTH);
+        drawing.iter().enumerate().for_each(|(tag, (first, chain))| edges.add(*first, chain.iter().copied(), tag));
+        edges.finish()
+    }
+
+    /// Who is active on a scanline, and where: looked up chain by chain.
+    fn brute(drawing: &Drawing, y: u32) -> Vec<(i32, usize)> {
+        let mut active = Vec::new();
+        for (tag, (first, chain)) in drawing.iter().enumerate() {
+            let mut start = *first;
+            for edge in chain {
+                if (start..edge.last).contains(&y) {
+                    active.push((edge.line.down(y - start).column().clamp(0, WIDTH as i32), tag));
+                }
+                start = edge.last;
+            }
+        }
+        active.sort_unstable();
+        active
+    }
+
+    #[test]
+    fn active_edges_are_those_that_meet_the_scanline_in_order_of_columns() {
+        let mut random = Random(1);
+        for _ in 0..600 {
+            let drawing = drawing(&mut random);
+            let edges = table(&drawing);
+            let start = random.below(HEIGHT) as u32;
+            for rows in [0..HEIGHT as u32, start..HEIGHT as u32] {
+                let mut sweep = Sweep::new(rows.clone());
+                let mut next = rows.start;
+                while let Some(Scanline { y, n, .. }) = sweep.next(&edges) {
+                    assert_eq!(y, next);
+                    for same in y..y + n {
+                        let mut active: Vec<(i32, usize)> = sweep.columns().iter().copied().zip(sweep.tags().iter().copied()).collect();
+                        assert!(active.is_sorted_by_key(|a| a.0));
+                        active.sort_unstable();
+                        assert_eq!(active, brute(&drawing, same));
+                    }
+                    next = y + n;
+                }
+                assert_eq!(next, rows.end);
+            }
+        }
+    }
+
+    #[test]
+    fn a_scanline_is_changed_if_the_order_or_its_ties_are() {
+        let mut random = Random(2);
+        let (mut kept, mut changes) = (0, 0);
+        for _ in 0..600 {
+            let edges = table(&drawing(&mut random));
+            let mut sweep = Sweep::new(0..HEIGHT as u32);
+            let mut before = None;
+            while let Some(scanline) = sweep.next(&edges) {
+                let ties: Vec<bool> = sweep.columns().windows(2).map(|pair| pair[0] == pair[1]).collect();
+                let now = Some((sweep.tags().to_vec(), ties));
+                if scanline.changed {
+                    changes += 1;
+                    assert_ne!(before, now, "line {}", scanline.y);
+                } else {
+                    kept += 1;
+                    assert_eq!(before, now, "line {}", scanline.y);
+                }
+                before = now;
+            }
+        }
+        assert!(kept > 3000 && changes > 3000, "{kept} {changes}");
+    }
+
+    #[test]
+    fn a_chain_that_goes_on_is_no_event() {
+        let mut edges = Edges::new(1000);
+        let corner = |i: i64| [i * i * 40, i * 2560];
+        let side = (0..20).map(|i| Edge { last: i as u32 * 10 + 10, line: Line::through(corner(i), corner(i + 1), i as u32 * 10, 10) });
+        edges.add(0, side, 'a');
+        edges.add(0, [Edge { last: 200, line: Line::vertical(900) }], 'b');
+        let edges = edges.finish();
+        let mut sweep = Sweep::new(0..200);
+        let mut changed = Vec::new();
+        while let Some(scanline) = sweep.next(&edges) {
+            changed.extend(scanline.changed.then_some(scanline.y));
+        }
+        assert_eq!(changed, [0]);
+    }
+
+    #[test]
+    fn upright_edges_cost_their_events() {
+        let mut edges = Edges::new(10);
+        edges.add(100, [Edge { last: 5_000_000, line: Line::vertical(3) }], 'a');
+        edges.add(7000, [Edge { last: 8_000_000, line: Line::vertical(3) }], 'b');
+        let edges = edges.finish();
+        let mut sweep = Sweep::new(0..8_388_608);
+        let mut rows = Vec::new();
+        while let Some(Scanline { y, n, .. }) = sweep.next(&edges) {
+            rows.push((y, n, sweep.tags().iter().collect::<String>()));
+        }
+        let expected = [(0, 100, ""), (100, 6900, "a"), (7000, 4_993_000, "ab"), (5_000_000, 3_000_000, "b"), (8_000_000, 388_608, "")];
+        assert_eq!(rows, expected.map(|(y, n, tags)| (y, n, tags.to_owned())));
     }
 }

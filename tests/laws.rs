@@ -69,10 +69,8 @@ fn edges_beside_pixel_centres() {
         let job = job(&near.scene, &Options::default());
         let rows = rows(&job);
         let oracle = Oracle::new(&near.scene);
-        // All 70,000 lines take the oracle minutes: the lines where edges touch, those beside them, and a sample.
-        let touched = near.touches.iter().flat_map(|touch| touch.line.saturating_sub(1)..=touch.line + 1);
-        for y in touched.chain((0..70_000).step_by(effort(1).max(97) as usize)).filter(|&y| y < 70_000) {
-            assert_eq!(rows[y as usize], oracle.row(y), "line {y}");
+        for (y, row) in rows.iter().enumerate() {
+            assert_eq!(*row, oracle.row(y as u32), "line {y}");
         }
         assert!(near.touches.len() >= 20);
     }
@@ -154,7 +152,7 @@ fn shapes_that_share_an_edge_neither_overlap_nor_leave_a_gap() {
             rows(&job(&scene, &Options::default()))
         };
         assert!(picture(Operator::And).iter().all(Vec::is_empty), "seed {seed}: overlap");
-        assert!(picture(Operator::Or).iter().all(|row| *row == [0..60]), "seed {seed}: gap");
+        assert!(picture(Operator::Or).iter().all(|row| row.len() == 1 && row[0] == (0..60)), "seed {seed}: gap");
     }
 }
 

@@ -42,7 +42,7 @@ fn read(input: &mut dyn BufRead) -> Result<Stream> {
     Ok((reader.header().clone(), records))
 }
 
-/// The records that the contract asks for: maximal, but broken at multiples of 4096.
+/// The records that are promised: maximal, but broken at multiples of 4096.
 fn records(raster: &Raster) -> Vec<(u32, u32, Vec<Run>)> {
     let mut records: Vec<(u32, u32, Vec<Run>)> = Vec::new();
     for (y, row) in raster.header.lines.clone().zip(&raster.rows) {

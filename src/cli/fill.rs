@@ -40,7 +40,8 @@ Examples:
 /// Fill a drawing, or an expression over its shapes, and write the raster
 ///
 /// Reads an SVG drawing (plain or gzipped) or a JSON scene. Every pixel whose centre lies in a shape belongs to it; an expression is
-/// evaluated pixel by pixel. Without --expr an SVG's art is filled, a scene's own expression or layers.
+/// evaluated pixel by pixel. Without --expr an SVG is painted in its own colours, a scene by its own
+/// expression or layers.
 #[derive(clap::Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Fill {
@@ -70,8 +71,8 @@ pub struct Fill {
     fonts: FontOptions,
 
     /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
-    threads: Option<u16>,
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024), allow_negative_numbers = true)]
+    threads: Option<u32>,
 
     #[command(flatten)]
     limit: Limit,
@@ -99,12 +100,12 @@ struct SizeOptions {
     scale: Option<f64>,
 
     /// Width of the page in pixels; alone it keeps the aspect, with --height the drawing is fitted inside and centred
-    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_WIDTH)),
+    #[arg(long, value_name = "W", value_parser = values::whole(1..=MAX_WIDTH),
         allow_negative_numbers = true, conflicts_with_all = ["dpi", "scale"])]
     width: Option<u32>,
 
     /// Height of the page in pixels; alone it keeps the aspect
-    #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_HEIGHT)),
+    #[arg(long, value_name = "H", value_parser = values::whole(1..=MAX_HEIGHT),
         allow_negative_numbers = true, conflicts_with_all = ["dpi", "scale"])]
     height: Option<u32>,
 }
@@ -155,7 +156,7 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
     ends.warn(&warnings, args.strict)?;
 
-    let threads = args.threads.map_or_else(|| available_parallelism().map_or(1, NonZeroUsize::get), usize::from);
+    let threads = args.threads.map_or_else(|| available_parallelism().map_or(1, NonZeroUsize::get), |n| n as usize);
     let mut progress = Progress::new(&args.watch, Some(job.header().height()), output.is_terminal());
     let stats = job.render(format, threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);

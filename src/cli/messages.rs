@@ -141,14 +141,17 @@ fn help_command() -> String {
     }
 }
 
-/// An error of the system without its number.
+/// An error of the system without its number, and without the temporary file's name that may be wrapped around it.
 pub fn reason(error: &io::Error) -> String {
-    without_number(&error.to_string())
+    let cause = std::error::Error::source(error).map(ToString::to_string);
+    without_number(&cause.unwrap_or_else(|| error.to_string()))
 }
 
+/// Text up to ` (os error N)`; behind it some libraries repeat the path.
 fn without_number(what: &str) -> String {
-    match what.rfind(" (os error ") {
-        Some(at) if what.ends_with(')') => what[..at].to_owned(),
+    let numbered = |rest: &str| rest.split_once(')').is_some_and(|(number, _)| number.parse::<u32>().is_ok());
+    match what.split_once(" (os error ") {
+        Some((reason, rest)) if numbered(rest) => reason.to_owned(),
         _ => what.to_owned(),
     }
 }
@@ -182,6 +185,7 @@ mod tests {
     #[test]
     fn the_number_of_a_system_error_is_left_out() {
         assert_eq!(reason(&io::Error::from_raw_os_error(28)), "No space left on device");
+        assert_eq!(without_number("Permission denied (os error 13) at path \"/tmp\""), "Permission denied");
         assert_eq!(without_number("a (os error of mine), b"), "a (os error of mine), b");
     }
 }

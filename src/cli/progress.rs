@@ -72,7 +72,7 @@ impl Progress {
 
 fn bar(total: Option<u32>) -> ProgressBar {
     let (bar, template) = match total {
-        Some(total) => (ProgressBar::new(total.into()), "{bar:40} {percent:>3} %  {human_pos} of {human_len} lines, {eta} left"),
+        Some(total) => (ProgressBar::new(total.into()), "{wide_bar} {human_pos} of {human_len} lines, {eta} left"),
         None => (ProgressBar::new_spinner(), "{spinner} {human_pos} lines"),
     };
     bar.with_style(ProgressStyle::with_template(template).expect("the template is well-formed")).with_finish(ProgressFinish::AndClear)

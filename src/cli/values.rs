@@ -1,6 +1,6 @@
 //! Values of options: text to numbers within bounds, with messages that say what is allowed.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use runset::encode::{FORMATS, Format, by_name};
@@ -11,6 +11,14 @@ use runset::job::TOLERANCES;
 pub fn format() -> impl TypedValueParser<Value = &'static Format> {
     let names = FORMATS.iter().map(|format| PossibleValue::new(format.name).help(format.about));
     PossibleValuesParser::new(names).map(|name| by_name(&name).expect("one of the names listed"))
+}
+
+/// A whole number within bounds.
+pub fn whole(allowed: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let what = || format!("give a whole number from {} to {}", allowed.start(), allowed.end());
+        text.parse().ok().filter(|n| allowed.contains(n)).ok_or_else(what)
+    }
 }
 
 /// A positive finite number: a scale or dots an inch.
@@ -30,7 +38,7 @@ pub fn lines(text: &str) -> Result<Range<u32>, String> {
     let range = range.ok_or("give two line numbers, the first counted from 0 and the one behind the last, such as 0..100")?;
     match range.start < range.end && range.end <= MAX_HEIGHT {
         true => Ok(range),
-        false => Err(format!("the second number is above the first and at most {MAX_HEIGHT}")),
+        false => Err(format!("the second number must be above the first and at most {MAX_HEIGHT}")),
     }
 }
 

@@ -10,7 +10,7 @@ pub const FORMAT: Format = Format {
     name: "rls",
     extensions: &["rls"],
     media_type: "application/vnd.runset.rls",
-    about: "line stream in binary (docs/rls.md): the smallest and the fastest",
+    about: "line stream in binary (docs/rls.md)",
     binary: true,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };

@@ -40,8 +40,11 @@ pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut 
             Err(Error::input(Kind::Malformed, "the document is UTF-16: save it as UTF-8"))
         }
         [b'<', ..] => svg::read(text, limits, fonts, warnings),
+        start if start.starts_with(&lines::RLS) => {
+            Err(Error::input(Kind::Malformed, "this is a line stream, not a drawing: read it with runset convert"))
+        }
         start => {
-            let found = if start.is_empty() { "the input is empty" } else { "the input is neither" };
+            let found = if start.is_empty() { "the input is empty" } else { "neither a drawing nor a scene" };
             Err(Error::input(Kind::Malformed, format!("{found}: expected an SVG, which begins with <, or a JSON scene, with {{")))
         }
     }

@@ -26,9 +26,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::edge::Builder;
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, Kind, Result, Warning};
 use crate::region::{Picture, Rows};
-use crate::run::{BLACK, Header, Rgb};
+use crate::run::{BLACK, Header, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
 
 /// The default flattening tolerance, in pixels.
@@ -141,6 +141,9 @@ impl Job {
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs);
         let (inks, ink_of_layer) = distinct_inks(&layers);
+        if inks.len() > MAX_INKS {
+            return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
+        }
         let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         for (shape, leaf) in leaves {
             builder.add(&scene.shapes[shape], leaf)?;

@@ -41,9 +41,9 @@ impl Size {
     /// A size that is not positive, or larger than a page may be.
     pub fn page(&self, width: f64, height: f64) -> Result<Page> {
         let scaled = |scale: f64| {
-            let page =
-                Page { width: pixels(width * scale)?, height: pixels(height * scale)?, placement: Placement { scale, offset: [0.0; 2] } };
-            Ok(page)
+            let [width, height] = [width * scale, height * scale].map(|size| (size + 0.5).floor().max(1.0));
+            fits(width, height)?;
+            Ok(Page { width: width as u32, height: height as u32, placement: Placement { scale, offset: [0.0; 2] } })
         };
         let page = match *self {
             Size::Scale(scale) => scaled(positive(scale, "scale")?)?,
@@ -60,24 +60,22 @@ impl Size {
         if page.width == 0 || page.height == 0 {
             return Err(Error::parameter("a page has at least one pixel: give a larger width or height"));
         }
-        if page.width > MAX_WIDTH || page.height > MAX_HEIGHT {
-            let what = format!(
-                "the page would be {} x {} px: at most {MAX_WIDTH} x {MAX_HEIGHT}, so ask for a smaller size",
-                page.width, page.height
-            );
-            return Err(Error { kind: Kind::Limit, origin: Origin::Parameter, ..Error::parameter(what) });
-        }
+        fits(page.width.into(), page.height.into())?;
         Ok(page)
     }
 }
 
-/// Rounded half up, at least 1; past what can be told exactly it is larger than any page.
-fn pixels(size: f64) -> Result<u32> {
-    if size.is_finite() {
-        Ok((size + 0.5).floor().clamp(1.0, f64::from(u32::MAX)) as u32)
-    } else {
-        Err(Error::parameter("the page's size is not finite"))
+/// Whether a page may be that large, in pixels.
+fn fits(width: f64, height: f64) -> Result<()> {
+    if !width.is_finite() || !height.is_finite() {
+        return Err(Error::parameter("the page's size is not finite: ask for a smaller size"));
     }
+    if width <= f64::from(MAX_WIDTH) && height <= f64::from(MAX_HEIGHT) {
+        return Ok(());
+    }
+    let [width, height] = [width, height].map(|x| if x < 1e12 { format!("{x}") } else { format!("{x:.1e}") });
+    let what = format!("the page would be {width} x {height} px: at most {MAX_WIDTH} x {MAX_HEIGHT}, so ask for a smaller size");
+    Err(Error { kind: Kind::Limit, origin: Origin::Parameter, ..Error::parameter(what) })
 }
 
 fn positive(value: f64, what: &str) -> Result<f64> {
@@ -101,6 +99,8 @@ mod tests {
         assert_eq!((fitted.width, fitted.height, fitted.placement), (100, 100, Placement { scale: 10.0, offset: [0.0, 25.0] }));
         assert_eq!(page(Size::Scale(1.0), 1_048_576.0, 8_388_608.0), Ok((1_048_576, 8_388_608)));
         assert_eq!(page(Size::Scale(1.0), 1_048_577.0, 1.0).unwrap_err().kind, Kind::Limit);
+        assert!(page(Size::Scale(1e9), 10.0, 10.0).unwrap_err().what.starts_with("the page would be 10000000000 x 10000000000 px: "));
+        assert!(page(Size::Scale(1e307), 1.0, 1e-307).unwrap_err().what.starts_with("the page would be 1.0e307 x 1 px: "));
         assert_eq!(page(Size::Scale(1e300), 1e300, 1.0).unwrap_err().kind, Kind::Refused);
         assert!(page(Size::Scale(f64::NAN), 1.0, 1.0).is_err() && page(Size::Dpi(-1.0), 1.0, 1.0).is_err());
     }

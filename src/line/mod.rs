@@ -2,7 +2,7 @@
 //!
 //! A line meets the centre of scanline `row` at `x(row) = (a + b row) / d` pixels, counted from the centre of pixel 0, with integers
 //! a, b and d > 0; its column there is `ceil(x)`. Stepping down one scanline adds `b / d`: a whole part and a remainder, in integers
-//! only (paper 000, section 2.1.1: Bresenham's way with a trapezoid's sides). Nothing is rounded, however long the line.
+//! only ("CSG" in ARCHITECTURE.md, section 2.1.1: Bresenham's way with a trapezoid's sides). Nothing is rounded, however long the line.
 //!
 //! ```text
 //!    column   0   1   2   3

@@ -1,7 +1,7 @@
 //! Boolean formulas over shapes, kept as a flat array of weighted gates.
 //!
 //! A gate is what the counter will be: a sum of its inputs' truths times their weights, compared with a threshold or taken
-//! modulo 2. All operators are that one thing (paper 000, section 2.2.3, where the running counter C is the sum):
+//! modulo 2. All operators are that one thing ("CSG" in ARCHITECTURE.md, section 2.2.3, where the running counter C is the sum):
 //!
 //! ```text
 //! a & b & c   sum of 1,1,1   at least 3        a - b - c   sum of 1,-1,-1  at least 1

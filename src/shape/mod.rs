@@ -1,7 +1,7 @@
 //! Paths, fill rules, strokes and transforms: a shape before it meets the grid.
 //!
-//! [`flatten`] turns a path under a transform into rings of points in pixels; [`projective`] does it under a homography, [`stroke`] for the line along
-//! a path.
+//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`); `stroke` does it for the line
+//! along a path.
 
 pub mod flatten;
 mod projective;

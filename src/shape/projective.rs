@@ -1,7 +1,7 @@
 //! Paths under a homography: polygons that may pass through infinity.
 //!
 //! A point (x, y) becomes (X, Y, w) = M (x, y, 1), a pixel (X / w, Y / w). Where w changes its sign along an edge the edge leaves the page through
-//! infinity and returns on the other side. Paper 004, section 3, displays such a figure in two passes: the part with positive weight, and
+//! infinity and returns on the other side. "Niizeki" in ARCHITECTURE.md, section 3, displays such a figure in two passes: the part with positive weight, and
 //! the part with negative weight with all signs turned. Each pass clips every ring at a line of constant weight (Sutherland and Hodgman's way, which
 //! keeps winding numbers on the side that is kept), and what it leaves is an ordinary ring.
 //!
@@ -67,8 +67,16 @@ fn project([x, y, w]: Weighted) -> Point {
 
 /// The smallest absolute weight of any point of the window. The matrix is not singular.
 fn least_weight(&[a, b, c, d, e, f, g, h, i]: &[f64; 9], &[left, top, right, bottom]: &Window) -> f64 {
-    let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
-    let row = [d * h - e * g, b * g - a * h, a * e - b * d].map(|v| v / determinant);
+    // Rows and then columns are brought to size 1: a product of three numbers of the matrix may be out of a double's range.
+    let unit = |v: [f64; 3]| {
+        let size = v.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        (v.map(|x| x / size), size)
+    };
+    let [(x, x_size), (y, y_size), (w, w_size)] = [[a, b, c], [d, e, f], [g, h, i]].map(unit);
+    let [([a, d, g], _), ([b, e, h], _), ([c, f, i], size)] = [0, 1, 2].map(|k| unit([x[k], y[k], w[k]]));
+    let row = [d * h - e * g, b * g - a * h, a * e - b * d];
+    let determinant = (c * row[0] + f * row[1] + i * row[2]) * size;
+    let row = [row[0] / determinant / x_size, row[1] / determinant / y_size, row[2] / determinant / w_size];
     let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
     1.0 / corners.map(|[x, y]| (row[0] * x + row[1] * y + row[2]).abs()).into_iter().fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -1,10 +1,10 @@
 //! Under the output's name there is a complete file, or what was there before.
 
 use std::fs::{self, File};
-use std::os::unix::fs::{MetadataExt, symlink};
+use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 use std::process::{Command, Stdio};
 
-use crate::support::{Folder, LONG, PBM, SCENE, feed, ran, skip};
+use crate::support::{Folder, LONG, PBM, RUNSET, SCENE, feed, have, ran, skip};
 
 #[test]
 fn a_file_is_complete_and_alone() {
@@ -115,6 +115,40 @@ fn a_full_disk_costs_one_line_and_nothing_else() {
     ran.refused(1, "disk/out.pbm: No space left on device");
     assert_eq!(left, ["out.pbm"]);
     assert_eq!(old.unwrap(), b"old");
+}
+
+#[test]
+fn a_file_past_the_size_limit_is_a_write_that_fails() {
+    let folder = Folder::new();
+    folder.put("out.pbm", "old");
+    let ran = ran(folder.shell("ulimit -f 1; $R fill scene.json --scale 500 -o out.pbm").output().unwrap());
+    ran.refused(1, "out.pbm: File too large");
+    assert_eq!(folder.get("out.pbm"), b"old");
+    assert_eq!(folder.names(), ["out.pbm", "scene.json"]);
+}
+
+#[test]
+fn what_may_not_be_written_is_said_in_one_line() {
+    let folder = Folder::new();
+    folder.put("theirs.pbm", "old");
+    let program = folder.path("runset");
+    fs::copy(RUNSET, &program).unwrap();
+    let nobody = |out: &str| {
+        let mut command = folder.command("setpriv");
+        command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]).arg(&program).args(["fill", "scene.json", "-o", out]);
+        ran(command.output().unwrap())
+    };
+    let allow = |mode: u32| fs::set_permissions(folder.path("."), fs::Permissions::from_mode(mode)).unwrap();
+    allow(0o755);
+    if !have("setpriv", "a folder of somebody else") || nobody("-").status != Some(0) {
+        skip("a folder of somebody else: only root can become nobody");
+        return;
+    }
+    nobody("new.pbm").refused(1, "new.pbm: cannot write in the folder .: Permission denied");
+    allow(0o777);
+    nobody("theirs.pbm").refused(1, "theirs.pbm: cannot write: Permission denied");
+    assert_eq!(folder.get("theirs.pbm"), b"old");
+    nobody("new.pbm").done();
 }
 
 #[test]

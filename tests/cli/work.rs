@@ -62,7 +62,16 @@ fn what_is_wrong_with_the_input_is_status_1_with_its_place() {
     starts("fill scene.json --expr a--b", "--expr:1:3: ");
     starts("fill huge.json", "huge.json: the page would be 1048577 x 10 px");
     starts("info bad.json", "bad.json:2:");
-    starts("convert scene.json", "scene.json:1:3: not a line stream");
+    starts(
+        "convert scene.json",
+        "scene.json:1:3: not a line stream, whose header's first key is \"runset\"; a scene is drawn by runset fill",
+    );
+    folder.put("art.svg", "<svg/>");
+    starts("convert art.svg", "art.svg: not a line stream; an SVG is drawn by runset fill");
+    folder.put("pretty.json", "{\n  \"width\": 9 }");
+    starts("convert pretty.json", "pretty.json:1:2: not a line stream");
+    folder.run("fill scene.json -o page.rls").done();
+    starts("fill page.rls", "page.rls: this is a line stream, not a drawing: read it with runset convert");
     folder.run("fill missing.json").refused(1, "missing.json: cannot read: No such file or directory");
     folder.run("fill .").refused(1, ".: this is a folder; name a file");
     let mut command = folder.command(crate::support::RUNSET);

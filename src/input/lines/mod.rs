@@ -1,4 +1,4 @@
-//! Reader of line streams: ndjson (contract: header, records, end record) and rls (`docs/rls.md`), told by the first byte.
+//! Reader of line streams: ndjson (header, records, end record) and rls (`docs/rls.md`), told by the first byte.
 //!
 //! One record is held at a time, whatever the stream's length. A stream is taken at its word only where the word has been
 //! checked: width, lines and inks are within their limits, runs are sorted, apart and within the width (so there are never more
@@ -10,6 +10,8 @@
 
 mod ndjson;
 mod rls;
+
+pub(super) use rls::MAGIC as RLS;
 
 use std::io::BufRead;
 use std::ops::Range;
@@ -53,6 +55,7 @@ impl<'i> LineReader<'i> {
                 let raster = reader.header()?;
                 (Source::Rls(reader), raster)
             }
+            Some(b'<') => return Err(malformed("not a line stream; an SVG is drawn by runset fill")),
             Some(_) => return Err(malformed("not a line stream: neither ndjson nor rls begins like this")),
             None => return Err(malformed("the input is empty; a line stream, ndjson or rls, was expected")),
         };

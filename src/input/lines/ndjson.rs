@@ -84,9 +84,9 @@ impl<'i> Reader<'i> {
 
 fn header(line: &mut Cursor<'_>) -> Parsed<Raster> {
     line.token(b'{')?;
-    let (at, key) = line.text()?;
+    let (at, key) = line.text().unwrap_or_else(|(at, _)| (at, b""));
     if key != b"runset" {
-        return Err((at, "not a line stream: the first key of its header is \"runset\"".into()));
+        return Err((at, "not a line stream, whose header's first key is \"runset\"; a scene is drawn by runset fill".into()));
     }
     line.token(b':')?;
     let (at, version) = line.number()?;

@@ -91,9 +91,14 @@ pub(super) struct Text<'a>(#[serde(borrow)] pub(super) Cow<'a, str>);
 impl Text<'_> {
     /// Where its first character stands in the document, if it is borrowed from there.
     pub(super) fn place(&self, document: &[u8]) -> Option<Place> {
+        self.offset(document).map(|byte| Place::of_byte(document, byte))
+    }
+
+    /// The byte of the document at which it begins, if it is borrowed from there.
+    pub(super) fn offset(&self, document: &[u8]) -> Option<usize> {
         let Cow::Borrowed(text) = self.0 else { return None };
         let offset = text.as_ptr().addr().checked_sub(document.as_ptr().addr())?;
-        (offset <= document.len()).then(|| Place::of_byte(document, offset))
+        (offset <= document.len()).then_some(offset)
     }
 }
 

@@ -9,7 +9,7 @@ mod shape;
 use serde::de::{DeserializeSeed as _, Error as _, MapAccess, SeqAccess, Visitor};
 
 use self::json::{Number, Reader, Text};
-use crate::error::{self, Error, Place, Warning};
+use crate::error::{self, Error, Place, Places, Warning};
 use crate::run::Rgb;
 use crate::scene::{Area, Expression, Layer, Limits, Picture, Scene, quoted};
 
@@ -27,12 +27,13 @@ pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Vec<Warning>) -
     scene.height = document.height;
     let everything: Vec<Area> = scene.names().iter().map(|n| n.area).collect();
     scene.art = scene.formula.any(&everything);
+    let mut places = Places::new(bytes);
     scene.picture = match document.drawn {
-        Drawn::Expr(text) => Picture::Region(resolve(&mut scene, "expr", &text, bytes, limits, warnings)?),
+        Drawn::Expr(text) => Picture::Region(resolve(&mut scene, "expr", &text, &mut places, limits, warnings)?),
         Drawn::Layers(layers) => {
             let mut painted = Vec::with_capacity(layers.len());
             for (i, (text, ink)) in layers.iter().enumerate() {
-                let area = resolve(&mut scene, &format!("layers[{i}].expr"), text, bytes, limits, warnings)?;
+                let area = resolve(&mut scene, &format!("layers[{i}].expr"), text, &mut places, limits, warnings)?;
                 painted.push(Layer { area, ink: *ink });
             }
             Picture::Layers(painted)
@@ -46,7 +47,7 @@ fn resolve(
     scene: &mut Scene,
     key: &str,
     text: &Text<'_>,
-    bytes: &[u8],
+    places: &mut Places<'_>,
     limits: &Limits,
     warnings: &mut Vec<Warning>,
 ) -> error::Result<Area> {
@@ -55,14 +56,15 @@ fn resolve(
         Some(Place { line, column }) => format!("{key}, line {line}, column {column}: {what}"),
         None => format!("{key}: {what}"),
     };
+    // A string without escapes stands in the document as it is, on one line.
+    let mut place = |within: Option<Place>| {
+        let start = text.offset(places.text()).map(|byte| places.of_byte(byte));
+        start.zip(within).map(|(start, p)| Place { column: start.column.saturating_add(p.column - 1), ..start })
+    };
     let mut own = Vec::new();
-    let area = Expression::parse(&text.0, limits).and_then(|e| scene.resolve(&e, &mut own)).map_err(|error| {
-        // A string without escapes stands in the document as it is, on one line.
-        let place = text.place(bytes).zip(error.place).map(|(start, p)| Place { column: start.column + p.column - 1, ..start });
-        Error { place, ..Error::input(error.kind, within(error.place, &error.what)) }
-    });
-    warnings.extend(own.iter().map(|w| Warning::input(within(w.place, &w.what))));
-    area
+    let area = Expression::parse(&text.0, limits).and_then(|e| scene.resolve(&e, &mut own));
+    warnings.extend(own.iter().map(|w| Warning { place: place(w.place), ..Warning::input(within(w.place, &w.what)) }));
+    area.map_err(|e| Error { place: place(e.place), ..Error::input(e.kind, within(e.place, &e.what)) })
 }
 
 /// What a document says besides its shapes, which are in the reader's scene.

@@ -220,6 +220,6 @@ fn singular(m: &[f64; 9]) -> bool {
     let terms = [m[0] * m[4] * m[8], m[1] * m[5] * m[6], m[2] * m[3] * m[7], -m[2] * m[4] * m[6], -m[1] * m[3] * m[8], -m[0] * m[5] * m[7]];
     let sum: f64 = terms.iter().sum();
     let size: f64 = terms.iter().map(|t| t.abs()).sum();
-    // Not "<=": a row of zeros gives NaN.
-    !(sum.abs() > 8.0 * f64::EPSILON * size)
+    // A row of zeros gives NaN.
+    sum.is_nan() || sum.abs() <= 8.0 * f64::EPSILON * size
 }

@@ -15,7 +15,7 @@ const MARKUP: usize = 3_000_000;
 const ATTRIBUTES: usize = 16_000_000;
 
 /// Most attributes of one element.
-const ATTRIBUTES_OF_ONE: usize = 4096;
+const ATTRIBUTES_OF_ONE: usize = 512;
 
 /// Refuses a text that is past one of the limits.
 pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
@@ -120,6 +120,6 @@ mod tests {
         }
         assert_eq!(tag("<a b = \"1>2\" c='='>x"), (18, 2));
         let error = check(&format!("<svg>\n<a {}/>", "b='' ".repeat(5000)), &Limits::default()).unwrap_err();
-        assert_eq!(error.to_string(), "2:1: an element with more than 4096 attributes: give it fewer");
+        assert_eq!(error.to_string(), "2:1: an element with more than 512 attributes: give it fewer");
     }
 }

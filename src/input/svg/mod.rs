@@ -57,10 +57,11 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     numbers::check(&xml)?;
     text::check(&xml)?;
     let drawing = usvg::Tree::from_xmltree(&xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
-    let mut notes = Notes::new(warnings);
-    notes.read(&xml);
+    let mut notes = Notes::read(&xml);
     let walked = tree::walk(&drawing, limits, &mut notes)?;
-    names::add(walked, &xml, limits, &mut notes)
+    let scene = names::add(walked, &xml, limits, &mut notes)?;
+    warnings.append(&mut notes.warnings(text));
+    Ok(scene)
 }
 
 /// Options under which `usvg` opens no file but the given fonts', and draws no image.

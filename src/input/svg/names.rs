@@ -29,7 +29,7 @@ pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes
         let found = drawn.get(id).cloned().unwrap_or(Drawn { area: nothing, shapes: 0..0 });
         let kind = kind(node.tag_name().name());
         if !scene.add_name(Named { id: id.to_owned(), kind, area: found.area, shapes: found.shapes, depth }) && twice.insert(id) {
-            notes.add(Element { id, own: true }, "this id stands more than once: the first counts");
+            notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
         }
         if (scene.names().len() + scene.shapes.len()) as u64 > limits.nodes {
             return Err(Error::input(Kind::Limit, format!("more than {} shapes and ids: split the drawing", limits.nodes)));

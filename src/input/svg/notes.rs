@@ -1,16 +1,19 @@
 //! What is drawn but not supported: one warning for an element and a reason.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use usvg::roxmltree::{Document, Node};
 
 use super::{attribute, href, is_svg};
-use crate::error::Warning;
+use crate::error::{Places, Warning};
 use crate::scene::quoted;
 
 /// Gathers warnings.
-pub(super) struct Notes<'w> {
-    warnings: &'w mut Vec<Warning>,
+pub(super) struct Notes<'x> {
+    /// Where the elements with ids begin, in bytes; of equal ids the first.
+    starts: HashMap<&'x str, usize>,
+    /// Where the element begins that a note is about, if that is known.
+    notes: Vec<(Option<usize>, String)>,
     given: HashSet<(String, String)>,
 }
 
@@ -38,21 +41,42 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
     named.next().unwrap_or(Element { id: "", own: false })
 }
 
-impl<'w> Notes<'w> {
-    pub(super) fn new(warnings: &'w mut Vec<Warning>) -> Notes<'w> {
-        Notes { warnings, given: HashSet::new() }
+impl<'x> Notes<'x> {
+    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
+    pub(super) fn read(xml: &'x Document<'_>) -> Notes<'x> {
+        let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
+        let mut starts = HashMap::new();
+        ids.for_each(|(id, start)| _ = starts.entry(id).or_insert(start));
+        let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new() };
+        notes.look(xml);
+        notes
     }
 
     /// Warns, once for equal words.
     pub(super) fn add(&mut self, element: Element<'_>, what: impl Into<String>) {
+        self.add_at(self.starts.get(element.id).copied(), element, what);
+    }
+
+    /// Warns of the element that begins at a byte, once for equal words.
+    pub(super) fn add_at(&mut self, start: Option<usize>, element: Element<'_>, what: impl Into<String>) {
         let (element, what) = (element.named(), what.into());
         if self.given.insert((element.clone(), what.clone())) {
-            self.warnings.push(Warning::input(format!("{element}: {what}")));
+            self.notes.push((start, format!("{element}: {what}")));
         }
     }
 
-    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
-    pub(super) fn read(&mut self, xml: &Document<'_>) {
+    /// The warnings in the order of the document, those without a place behind the others.
+    pub(super) fn warnings(mut self, text: &str) -> Vec<Warning> {
+        self.notes.sort_by_key(|(start, _)| start.unwrap_or(usize::MAX));
+        let mut places = Places::new(text.as_bytes());
+        let warning = |(start, what): (Option<usize>, String)| {
+            let place = start.map(|byte| places.of_byte(byte));
+            Warning { place, ..Warning::input(what) }
+        };
+        self.notes.into_iter().map(warning).collect()
+    }
+
+    fn look(&mut self, xml: &Document<'_>) {
         let used: HashSet<&str> = xml.descendants().filter(|n| n.has_tag_name("use")).filter_map(|n| href(n)?.strip_prefix('#')).collect();
         let mut drawn: Vec<bool> = Vec::new();
         for node in xml.descendants() {
@@ -62,9 +86,10 @@ impl<'w> Notes<'w> {
                 self.see(node);
             }
         }
-        for node in xml.root().children().filter_map(|n| n.pi()).filter(|pi| pi.target == "xml-stylesheet") {
-            let element = Element { id: "", own: false };
-            self.add(element, format!("the style sheet {} is outside the document and not read", quoted(node.value.unwrap_or_default())));
+        for node in xml.root().children() {
+            let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };
+            let what = format!("the style sheet {} is outside the document and not read", quoted(pi.value.unwrap_or_default()));
+            self.add_at(Some(node.range().start), element(node), what);
         }
     }
 
@@ -73,28 +98,26 @@ impl<'w> Notes<'w> {
             return;
         }
         let element = element(node);
+        let mut add = |what: &str| self.add_at(Some(node.range().start), element, what);
         let name = node.tag_name().name();
         match name {
-            "image" => self.add(element, "images are not drawn yet"),
-            "foreignObject" | "video" | "iframe" | "canvas" => self.add(element, format!("<{name}> is not drawn")),
-            "style" if node.text().is_some_and(|t| t.contains("@import")) => {
-                self.add(element, "style sheets outside the document are not read");
-            }
+            "image" => add("images are not drawn yet"),
+            "foreignObject" | "video" | "iframe" | "canvas" => add(&format!("<{name}> is not drawn")),
+            "style" if node.text().is_some_and(|t| t.contains("@import")) => add("style sheets outside the document are not read"),
             _ => {}
         }
-        if !matches!(name, "a" | "script") {
-            if let Some(outside) = href(node).filter(|h| !h.trim_start().starts_with(['#']) && !h.trim_start().starts_with("data:")) {
-                self.add(element, format!("{} is outside the document and not read", quoted(outside)));
-            }
+        let outside = href(node).filter(|h| !h.trim_start().starts_with('#') && !h.trim_start().starts_with("data:"));
+        if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
+            add(&format!("{} is outside the document and not read", quoted(outside)));
         }
         if is_styled(node, "stroke-linejoin", "arcs") {
-            self.add(element, "joins of the kind arcs are not drawn: mitered instead");
+            add("joins of the kind arcs are not drawn: mitered instead");
         }
         if is_styled(node, "vector-effect", "non-scaling-stroke") {
-            self.add(element, "strokes that do not scale are not drawn: scaled instead");
+            add("strokes that do not scale are not drawn: scaled instead");
         }
         if node.attributes().any(|a| a.name().starts_with("marker") && a.value() != "none") {
-            self.add(element, "markers are drawn, but do not count under an id yet");
+            add("markers are drawn, but do not count under an id yet");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use usvg::roxmltree::Document;
 
+use super::is_svg;
 use super::notes::element;
 use super::tree::product;
 use crate::error::{Error, Kind, Result};
@@ -19,7 +20,7 @@ pub(super) fn check(xml: &Document<'_>) -> Result<()> {
     let mut under: Vec<u32> = Vec::new();
     for node in xml.descendants() {
         under.push(node.parent().map_or(0, |p| under[p.id().get_usize()]));
-        for attribute in node.attributes().filter(|a| a.namespace().is_none()) {
+        for attribute in node.attributes().filter(|a| a.namespace().is_none() && is_svg(node)) {
             let (name, value) = (attribute.name(), attribute.value());
             let transform = name == "transform";
             if !transform && !is_geometry(name) {

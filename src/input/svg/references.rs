@@ -18,6 +18,9 @@ pub(super) const DEEPEST: u32 = 500;
 /// Most gradients, patterns, clip paths, masks and filters: `usvg` compares each with each.
 const DEFINITIONS: usize = 30_000;
 
+/// Most children of a gradient: those that `usvg` leaves out cost a move of all behind them.
+const STOPS: usize = 20_000;
+
 /// Properties that refer to elements. Shapes inherit the first [`INHERITED`].
 const PROPERTIES: [&str; 8] = ["fill", "stroke", "marker-start", "marker-mid", "marker-end", "clip-path", "mask", "filter"];
 const INHERITED: usize = 5;
@@ -46,6 +49,9 @@ fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
         definitions += usize::from(matches!(name, "linearGradient" | "radialGradient" | "pattern" | "clipPath" | "mask" | "filter"));
         if depth > DEEPEST {
             return Err(at(node, Kind::Limit, format!("elements nested more than {DEEPEST} deep: flatten the groups")));
+        }
+        if matches!(name, "linearGradient" | "radialGradient") && node.children().take(STOPS + 1).count() > STOPS {
+            return Err(at(node, Kind::Limit, format!("a gradient with more than {STOPS} stops: use fewer")));
         }
         if definitions > DEFINITIONS {
             let what = format!("more than {DEFINITIONS} gradients, patterns, clip paths, masks and filters: share them");

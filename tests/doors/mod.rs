@@ -1,0 +1,109 @@
+//! The doors: one function for each reader of foreign bytes, for the fuzz targets and for the replay of their corpora.
+//!
+//! A door takes any bytes. It panics where what is behind it does not keep its promises: errors are one line, places lie within the
+//! text, and what was let in is whole and finite.
+
+use std::io::BufRead;
+
+use runset::error::{Error, Result, Warning};
+use runset::input::lines::LineReader;
+use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
+use runset::shape::{FillRule, Path, Shape, Transform};
+
+/// What takes bytes from outside.
+type Door = fn(&[u8]);
+
+/// All doors by name; a folder of `fuzz/corpus` and a target of `fuzz/fuzz_targets` belong to each.
+#[allow(dead_code)] // the fuzz targets take one each
+pub const DOORS: [(&str, Door); 4] = [("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
+
+/// An expression, over a scene with the names `a`, `b` and `c-d`.
+pub fn expression(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let mut scene = Scene::new(9.0, 9.0);
+    for (i, id) in (0..).zip(["a", "b", "c-d"]) {
+        let shape =
+            Shape { name: id.to_owned(), path: Path::default(), rule: FillRule::NonZero, stroke: None, transform: Transform::IDENTITY };
+        let area = scene.add_shape(shape);
+        scene.add_name(Named { id: id.to_owned(), kind: "shape", area, shapes: i..i + 1, depth: 0 });
+    }
+    let mut warnings = Vec::new();
+    let area = Expression::parse(text, &limits()).and_then(|e| scene.resolve(&e, &mut warnings));
+    if let Some(area) = told(area, &warnings, bytes) {
+        whole(&scene, area);
+    }
+}
+
+/// A JSON scene.
+pub fn scene(bytes: &[u8]) {
+    document(bytes);
+}
+
+/// An SVG.
+pub fn svg(bytes: &[u8]) {
+    document(bytes);
+}
+
+/// A line stream.
+pub fn stream(bytes: &[u8]) {
+    let mut input: &mut dyn BufRead = &mut &*bytes;
+    let Some(mut reader) = told(LineReader::open(&mut input), &[], bytes) else { return };
+    let (width, inks, mut y) = (reader.header().width, reader.header().inks.len(), reader.header().lines.start);
+    while let Some(Some(lines)) = told(reader.next_lines(), &[], bytes) {
+        assert!(lines.check(width, inks) && lines.y == y);
+        y += lines.n;
+    }
+}
+
+fn document(bytes: &[u8]) {
+    let mut warnings = Vec::new();
+    let scene = runset::input::read(bytes.to_vec(), &limits(), &mut warnings);
+    let Some(scene) = told(scene, &warnings, bytes) else { return };
+    assert!(scene.width > 0.0 && scene.width.is_finite() && scene.height > 0.0 && scene.height.is_finite());
+    for shape in &scene.shapes {
+        let numbers = match shape.transform {
+            Transform::Affine(m) => m.to_vec(),
+            Transform::Projective(m) => m.to_vec(),
+        };
+        assert!(shape.path.points().iter().flatten().chain(&numbers).all(|x| x.is_finite()), "{}", shape.name);
+    }
+    for name in scene.names() {
+        assert!(name.shapes.start <= name.shapes.end && name.shapes.end as usize <= scene.shapes.len());
+        whole(&scene, name.area);
+    }
+    whole(&scene, scene.art);
+    match &scene.picture {
+        Picture::Region(area) => whole(&scene, *area),
+        Picture::Layers(layers) => layers.iter().for_each(|l| whole(&scene, l.area)),
+    }
+}
+
+/// Small limits, so that a small input can pass them.
+fn limits() -> Limits {
+    Limits { input: 1 << 20, edges: 10_000, nodes: 1000 }
+}
+
+fn told<T>(result: Result<T>, warnings: &[Warning], bytes: &[u8]) -> Option<T> {
+    let one_line = |text: &str| assert!(!text.is_empty() && !text.contains(char::is_control), "{text:?}");
+    warnings.iter().for_each(|w| one_line(&w.what));
+    let error: Error = match result {
+        Ok(value) => return Some(value),
+        Err(error) => error,
+    };
+    one_line(&error.what);
+    assert!(!error.what.starts_with("the SVG library fails"), "{error}");
+    if let Some(place) = error.place {
+        // What was compressed has other lines.
+        let lines = bytes.iter().filter(|&&b| b == b'\n').count() + 1;
+        assert!(place.line >= 1 && place.column >= 1 && (place.line as usize <= lines || bytes.starts_with(b"\x1f\x8b")), "{error}");
+    }
+    None
+}
+
+/// An area is a gate of the scene, and so are its inputs.
+fn whole(scene: &Scene, area: Area) {
+    match &scene.formula.gates()[area.index()] {
+        Gate::Shape(i) => assert!((*i as usize) < scene.shapes.len()),
+        Gate::AtLeast(_, inputs) | Gate::Odd(inputs) => inputs.iter().for_each(|i| assert!(i.area.index() < scene.formula.gates().len())),
+    }
+}
