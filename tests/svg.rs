@@ -220,14 +220,13 @@ fn layers_are_flat_colours_in_painting_order() {
 
 #[test]
 fn warnings_stand_in_the_order_of_the_document_with_their_places() {
-    let inside =
-        "\n<g id='ä'><rect width='9' height='9' stroke='red'/>\r\n  <text>x</text></g><!-- é --><text id='t'>x</text>\n<a id='t'/>";
+    let inside = "\n<g id='ä'><rect width='9' height='9' fill-opacity='.5'/>\r\n  <image/></g><!-- é --><image id='t'/>\n<a id='t'/>";
     let (_, warnings) = read(svg(inside)).unwrap();
     let lines: Vec<_> = warnings.iter().map(|w| (w.place.map(|p| (p.line, p.column)), w.what.as_str())).collect();
     let expected = [
-        (Some((2, 1)), "an element in \"ä\": strokes are not drawn yet"),
-        (Some((3, 3)), "an element in \"ä\": text is not drawn yet"),
-        (Some((3, 31)), "\"t\": text is not drawn yet"),
+        (Some((2, 1)), "an element in \"ä\": transparency is not drawn yet: painted opaque"),
+        (Some((3, 3)), "an element in \"ä\": images are not drawn yet"),
+        (Some((3, 25)), "\"t\": images are not drawn yet"),
         (Some((4, 1)), "\"t\": this id stands more than once: the first counts"),
     ];
     assert_eq!(lines, expected);
