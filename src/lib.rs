@@ -12,7 +12,7 @@
 //! 4  job                     bytes -> scene -> rows -> Write
 //! 3  region  input  encode   runs of a page; readers; writers
 //! 2  edge  scene             edge builders; shapes, expression, page, limits
-//! 1  sweep  shape            active edges in column order; paths, fill rules, flattening
+//! 1  sweep  shape            active edges in column order; paths, fill rules, strokes, flattening
 //! 0  grid  line  count  bits  run  checksum  error
 //! ```
 

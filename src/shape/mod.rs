@@ -1,9 +1,8 @@
 //! Paths, fill rules, strokes and transforms: a shape before it meets the grid.
 //!
-//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`); `stroke.rs` does it for the
-//! line along a path, with `dashes.rs`.
+//! [`flatten`] turns a path under a transform into rings of points in pixels, under a homography too (`projective.rs`); `stroke` does it for the line
+//! along a path.
 
-mod dashes;
 pub mod flatten;
 mod projective;
 mod stroke;

@@ -164,8 +164,17 @@ fn progress_is_for_terminals_unless_asked_for() {
 }
 
 #[test]
-fn a_font_that_is_not_there_is_refused() {
-    Folder::new().run("fill scene.json --format pbm --font a.ttf").refused(1, "a.ttf: cannot read: No such file or directory");
+fn fonts_are_read_and_refused_by_name() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("fill scene.json --format pbm --system-fonts").done(), PBM);
+    folder.put("a.ttf", "not a font");
+    for (font, line) in [
+        ("a.ttf", "a.ttf: no font that can be read: give a TrueType or OpenType file\n"),
+        ("b.ttf", "b.ttf: cannot read: no such file or directory\n"),
+    ] {
+        let ran = folder.run(&format!("fill scene.json --format pbm --font {font}"));
+        assert_eq!((ran.status, ran.stdout.as_slice(), ran.stderr.to_lowercase()), (Some(1), &b""[..], line.to_lowercase()));
+    }
 }
 
 #[test]

@@ -58,6 +58,7 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     }
     let styles = references::check(&xml, limits)?;
     numbers::check(&xml)?;
+    text::check(&xml)?;
     let mut notes = Notes::read(&xml);
     let tagged = tags::rewrite(&xml, &styles, &mut notes);
     drop(styles);

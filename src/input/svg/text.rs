@@ -1,11 +1,15 @@
-//! What is worth saying of a text: fonts that are not there, styles that are not drawn, characters that no font has.
+//! Text: what is refused because it would take too long, and what is worth saying: fonts that are not there, styles that are not drawn,
+//! characters that no font has.
 
 use std::collections::BTreeSet;
 
 use usvg::fontdb::{Database, Family, Query, Style, Weight};
 use usvg::{FontFamily, FontStyle, GlyphId};
 
-use super::notes::{Element, Notes};
+use usvg::roxmltree::Document;
+
+use super::notes::{self, Element, Notes};
+use crate::error::{Error, Kind, Result};
 use crate::scene::quoted;
 
 /// The glyph that stands for a missing one in every font.
@@ -13,6 +17,28 @@ const MISSING: GlyphId = GlyphId(0);
 
 /// Most characters in a message.
 const NAMED: usize = 8;
+
+/// Most steps of laying text out: `usvg` takes some for every pair of bytes of a text, and [`SPAN`] times as many for a byte and a `tspan`.
+const STEPS: u64 = 1 << 34;
+const SPAN: u64 = 400;
+
+/// Refuses text that would take too long to lay out.
+pub(super) fn check(xml: &Document<'_>) -> Result<()> {
+    let mut steps = 0_u64;
+    for text in xml.descendants().filter(|n| n.tag_name().name() == "text") {
+        let (mut bytes, mut spans) = (0, 0);
+        for node in text.descendants() {
+            bytes += node.text().filter(|_| node.is_text()).map_or(0, str::len) as u64;
+            spans += u64::from(node.is_element());
+        }
+        steps = steps.saturating_add(bytes.saturating_mul(bytes + SPAN * spans));
+        if steps > STEPS {
+            let what = format!("{}: text too long to lay out: split it into several text elements", notes::element(text).named());
+            return Err(Error::input(Kind::Limit, what).at_byte(xml.input_text().as_bytes(), text.range().start));
+        }
+    }
+    Ok(())
+}
 
 /// Notes what differs from what a text asks for.
 pub(super) fn note(text: &usvg::Text, fonts: &Database, element: Element<'_>, notes: &mut Notes) {

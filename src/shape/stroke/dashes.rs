@@ -64,7 +64,7 @@ impl Dashes {
 impl Cursor {
     /// Whether it is a dash.
     pub(super) fn on(self) -> bool {
-        self.index % 2 == 0
+        self.index.is_multiple_of(2)
     }
 }
 
