@@ -107,10 +107,10 @@ fn check(name: &str, file: &Path, worst: &Worst) -> Vec<String> {
     failures
 }
 
-/// Compares every id with what remains of the document when nothing else is painted.
 /// Compares two pictures of what the text names and notes what differs.
 type Compare<'a> = &'a dyn Fn(&Picture, &Picture, &str, &mut Vec<String>);
 
+/// Compares every id with what remains of the document when nothing else is painted.
 fn ids(text: &str, scale: f64, compare: Compare<'_>, failures: &mut Vec<String>) {
     let xml = Document::parse_with_options(text, only::options()).unwrap();
     let expected = only::ids(&xml);

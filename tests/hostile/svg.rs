@@ -151,7 +151,7 @@ fn texts() {
     let along = format!("<path id='p' d='M0 0{}'/>", "L9.5 1L3 99".repeat(9000));
     check_all([
         ("20 KB", svg(&format!("<text y='9'>{}</text>", "long words ".repeat(2000))), Drawn),
-        ("3 MB", svg(&format!("<text y='9'>{}</text>", "long words ".repeat(300_000))), Refused("split the text")),
+        ("3 MB", svg(&format!("<text y='9'>{}</text>", "long words ".repeat(300_000))), Refused("split it into several text elements")),
         ("many tspans", svg(&format!("<text y='9'>{}</text>", "<tspan dx='1'>a</tspan>".repeat(5000))), Either(&Drawn, &Refused("text"))),
         ("positions without end", svg(&format!("<text x='{}'>ab</text>", "1 ".repeat(1_000_000))), Drawn),
         ("letters of 10^9", svg("<text font-size='1e9' letter-spacing='1e9' y='9'>big</text>"), Drawn),

@@ -21,9 +21,6 @@ const DEFINITIONS: usize = 30_000;
 /// Most children of a gradient: those that `usvg` leaves out cost a move of all behind them.
 const STOPS: usize = 20_000;
 
-/// Most steps of laying out text: those of a `text` are as the square of its length.
-const LAYOUT: u64 = 1 << 32;
-
 /// Properties that refer to elements. Shapes inherit the first [`INHERITED`].
 const PROPERTIES: [&str; 8] = ["fill", "stroke", "marker-start", "marker-mid", "marker-end", "clip-path", "mask", "filter"];
 const INHERITED: usize = 5;
@@ -43,7 +40,7 @@ pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<Styles
 /// Number of elements and how deep they are nested.
 fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
     let mut depths: Vec<u32> = Vec::new();
-    let (mut elements, mut definitions, mut deepest, mut layout) = (0, 0, 0, 0_u64);
+    let (mut elements, mut definitions, mut deepest) = (0, 0, 0);
     for node in xml.descendants() {
         let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + 1);
         depths.push(depth);
@@ -51,13 +48,6 @@ fn measure(xml: &Document<'_>) -> Result<(u64, u32)> {
         elements += u64::from(node.is_element());
         let name = node.tag_name().name();
         definitions += usize::from(matches!(name, "linearGradient" | "radialGradient" | "pattern" | "clipPath" | "mask" | "filter"));
-        if name == "text" {
-            let length = node.descendants().filter(Node::is_text).filter_map(|n| n.text()).fold(0_u64, |sum, t| sum + t.len() as u64);
-            layout = layout.saturating_add(length.saturating_mul(length));
-        }
-        if layout > LAYOUT {
-            return Err(at(node, Kind::Limit, "more text than can be laid out in time: split the text into several elements".to_owned()));
-        }
         if depth > DEEPEST {
             return Err(at(node, Kind::Limit, format!("elements nested more than {DEEPEST} deep: flatten the groups")));
         }

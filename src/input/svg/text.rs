@@ -4,9 +4,8 @@
 use std::collections::BTreeSet;
 
 use usvg::fontdb::{Database, Family, Query, Style, Weight};
-use usvg::{FontFamily, FontStyle, GlyphId};
-
 use usvg::roxmltree::Document;
+use usvg::{FontFamily, FontStyle, GlyphId};
 
 use super::notes::{self, Element, Notes};
 use crate::error::{Error, Kind, Result};
@@ -19,7 +18,7 @@ const MISSING: GlyphId = GlyphId(0);
 const NAMED: usize = 8;
 
 /// Most steps of laying text out: `usvg` takes some for every pair of bytes of a text, and [`SPAN`] times as many for a byte and a `tspan`.
-const STEPS: u64 = 1 << 34;
+const STEPS: u64 = 1 << 31;
 const SPAN: u64 = 400;
 
 /// Refuses text that would take too long to lay out.
