@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use lyon_geom::{CubicBezierSegment, LineSegment, point};
 
-use super::projective;
-use super::{Path, Transform, Verb};
+use super::{Path, Verb};
 use crate::error::Result;
 use crate::grid::Point;
 
@@ -28,33 +27,24 @@ pub struct Flattening {
 /// Curves larger than so many tolerances are halved before they are flattened.
 const LARGE: f64 = 655_360.0;
 
-/// Hands the rings of a path under a transform to `ring`, as points in pixels, not closed by a repeated point. A ring has at least one
-/// point. Points may be infinite or not a number where the transform overflows.
-///
-/// # Errors
-/// The first that `ring` returns.
-pub(super) fn rings(path: &Path, transform: &Transform, how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
-    match transform {
-        Transform::Affine(matrix) => {
-            let mut points = Vec::new();
-            for piece in pieces(path) {
-                match piece.map(|p| affine(matrix, p)) {
-                    Piece::Start(p) => {
-                        if !points.is_empty() {
-                            ring(&points)?;
-                        }
-                        points.clear();
-                        points.push(p);
-                    }
-                    Piece::Line(_, p) => points.push(p),
-                    Piece::Cubic(cubic) => flatten(cubic, how, |_, _, p| points.push(p)),
-                    Piece::Close(..) => {}
+/// Hands the rings of a path under an affine map to `ring`; see [`super::Shape::rings`].
+pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
+    let mut points = Vec::new();
+    for piece in pieces(path) {
+        match piece.map(|p| affine(matrix, p)) {
+            Piece::Start(p) => {
+                if !points.is_empty() {
+                    ring(&points)?;
                 }
+                points.clear();
+                points.push(p);
             }
-            if points.is_empty() { Ok(()) } else { ring(&points) }
+            Piece::Line(_, p) => points.push(p),
+            Piece::Cubic(cubic) => flatten(cubic, how, |_, _, p| points.push(p)),
+            Piece::Close(..) => {}
         }
-        Transform::Projective(matrix) => projective::rings(path, matrix, how, ring),
     }
+    if points.is_empty() { Ok(()) } else { ring(&points) }
 }
 
 pub(super) fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
@@ -191,9 +181,9 @@ mod tests {
         path
     }
 
-    fn points(path: &Path, transform: &Transform, how: Flattening) -> Vec<Vec<Point>> {
+    fn points(path: &Path, matrix: &[f64; 6], how: Flattening) -> Vec<Vec<Point>> {
         let mut all = Vec::new();
-        let done = rings(path, transform, &how, |ring| {
+        let done = rings(path, matrix, &how, |ring| {
             all.push(ring.to_vec());
             Ok(())
         });
@@ -244,8 +234,8 @@ mod tests {
     fn the_tolerance_follows_the_transform() {
         let window = [-1e6, -1e6, 1e6, 1e6];
         let how = Flattening { tolerance: 0.1, window };
-        let small = points(&circle(10.0), &Transform::IDENTITY, how)[0].len();
-        let large = points(&circle(10.0), &Transform::Affine([100.0, 0.0, 0.0, 100.0, 0.0, 0.0]), how)[0].len();
+        let small = points(&circle(10.0), &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0], how)[0].len();
+        let large = points(&circle(10.0), &[100.0, 0.0, 0.0, 100.0, 0.0, 0.0], how)[0].len();
         assert!(large > 5 * small, "{small} {large}");
     }
 
@@ -253,7 +243,7 @@ mod tests {
     fn huge_curves_cost_what_is_seen_of_them() {
         for r in [1e6, 1e12, 1e100, 1e300] {
             let how = Flattening { tolerance: 0.1, window: [0.0, 0.0, 1000.0, 1000.0] };
-            let all = points(&circle(r), &Transform::Affine([1.0, 0.0, 0.0, 1.0, -r + 500.0, 500.0]), how);
+            let all = points(&circle(r), &[1.0, 0.0, 0.0, 1.0, -r + 500.0, 500.0], how);
             assert!(all[0].len() < 20_000, "{r}: {}", all[0].len());
             assert!(all[0].iter().flatten().all(|v| v.is_finite()));
         }
@@ -266,7 +256,7 @@ mod tests {
         path.line_to([5.0, 5.0]);
         path.quad_to([6.0, 5.0], [6.0, 6.0]);
         path.close();
-        let all = points(&path, &Transform::IDENTITY, Flattening { tolerance: 0.1, window: [0.0, 0.0, 9.0, 9.0] });
+        let all = points(&path, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0], Flattening { tolerance: 0.1, window: [0.0, 0.0, 9.0, 9.0] });
         assert_eq!(all[0], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
         assert_eq!((all[1][0], all[1][1], all[1].last()), ([0.0, 0.0], [5.0, 5.0], Some(&[6.0, 6.0])));
     }

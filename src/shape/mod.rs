@@ -216,7 +216,8 @@ impl Shape {
     /// A stroke of more than [`DASHES`], or under a homography; the first that `ring` returns.
     pub fn rings(&self, transform: &Transform, how: &Flattening, ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
         match (&self.stroke, transform) {
-            (None, _) => flatten::rings(&self.path, transform, how, ring),
+            (None, Transform::Affine(matrix)) => flatten::rings(&self.path, matrix, how, ring),
+            (None, Transform::Projective(matrix)) => projective::rings(&self.path, matrix, how, ring),
             (Some(stroke), Transform::Affine(matrix)) => stroke::rings(&self.path, stroke, matrix, how, &self.name, ring),
             (Some(_), Transform::Projective(_)) => {
                 Err(Error::input(Kind::Refused, format!("\"{}\": a stroke under a homography: draw its outline", self.name)))

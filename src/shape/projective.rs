@@ -25,7 +25,7 @@ type Weighted = [f64; 3];
 /// A curve is halved at most this often.
 const DEPTH: u32 = 24;
 
-/// As [`super::flatten::rings`], under a homography given row by row.
+/// Hands the rings of a path under a homography, given row by row, to `ring`; see [`super::Shape::rings`].
 pub(super) fn rings(path: &Path, matrix: &[f64; 9], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
     let horizon = least_weight(matrix, &how.window) / 16.0;
     let mut points = Vec::new();
