@@ -118,7 +118,8 @@ impl Rows {
     /// Walks the active list and notes where the visible ink changes.
     fn count(&mut self) {
         let Picture { program, inks, open, .. } = &*self.picture;
-        let (columns, sides) = (self.sweep.columns(), self.sweep.tags());
+        let (columns, list, tags) = (self.sweep.columns(), self.sweep.list(), self.sweep.tags());
+        let side = |i: usize| tags[list[i].slot()];
         let visible = |layers: &BitSet| layers.last().map_or(PAPER, |layer| inks[layer]);
         let paint = |layers: &mut BitSet, layer: u32, holds| {
             if holds { layers.insert(layer as usize) } else { layers.remove(layer as usize) }
@@ -135,14 +136,14 @@ impl Rows {
             let flip = |layer, holds| paint(&mut self.layers, layer, holds);
             let mut next = edge + 1;
             if columns.get(next) == Some(&columns[edge]) {
-                self.counters.add(sides[edge].leaf, sides[edge].winding);
+                self.counters.add(side(edge).leaf, side(edge).winding);
                 while columns.get(next) == Some(&columns[edge]) {
-                    self.counters.add(sides[next].leaf, sides[next].winding);
+                    self.counters.add(side(next).leaf, side(next).winding);
                     next += 1;
                 }
                 self.counters.settle(program, flip);
             } else {
-                self.counters.cross(program, sides[edge].leaf, sides[edge].winding, flip);
+                self.counters.cross(program, side(edge).leaf, side(edge).winding, flip);
             }
             let now = visible(&self.layers);
             if now != ink {
@@ -152,7 +153,7 @@ impl Rows {
             edge = next;
         }
         if *open {
-            sides.iter().for_each(|side| self.counters.clear(side.leaf));
+            list.iter().for_each(|entry| self.counters.clear(tags[entry.slot()].leaf));
             self.counters.settle(program, |layer, holds| paint(&mut self.layers, layer, holds));
         }
     }
@@ -161,7 +162,7 @@ impl Rows {
     /// behind the page: both leave an empty run, which is dropped.
     fn emit(&mut self) {
         let columns = self.sweep.columns();
-        let column = |boundary: &Boundary| if boundary.edge == LEFT_SIDE { 0 } else { columns[boundary.edge as usize] as u32 };
+        let column = |boundary: &Boundary| if boundary.edge == LEFT_SIDE { 0 } else { columns[boundary.edge as usize] };
         self.runs.clear();
         for (i, boundary) in self.boundaries.iter().enumerate() {
             let start = column(boundary);
