@@ -168,9 +168,9 @@ mod tests {
                         break;
                     }
                     let to = if upright || random.below(4) == 0 { x } else { x + random.below(8000) - 4000 };
-                    let [x, to] = [x, to].map(|x| x.clamp(0, i64::from(WIDTH) * 256));
+                    let [from, to] = [x, to].map(|x| x.clamp(0, i64::from(WIDTH) * 256));
                     let rows = (last - row) as u32;
-                    let line = Line::through([x, row * 256 + 1], [to, last * 256 + 1], row as u32, rows, WIDTH).unwrap();
+                    let line = Line::through([from, row * 256 + 1], [to, last * 256 + 1], row as u32, rows, WIDTH).unwrap();
                     edges.push(Edge { last: last as u32, line });
                     (row, x) = (last, to);
                 }
