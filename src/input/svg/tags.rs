@@ -10,18 +10,23 @@
 //! ```
 //!
 //! and the true opacity is kept beside it. Parts of a `text` are marked in the same way by the opacity of their fill and of their stroke.
-//! A document in which no id would be lost is left as it is. The document is rewritten as text by insertions alone, once.
+//! A document in which no id would be lost is left as it is. The document is rewritten as text, once: by insertions, and by stand-ins for long outlines
+//! ([`super::outlines`]), which are kept with the tag of their element.
 //!
 //! Rejected: writing `use` out as groups, which means doing again what `usvg` does with symbols, viewports, percentages and inherited
 //! paint, and costs a copy of the text for each use; and marks by clip paths, each of which `usvg` compares with each.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+use std::sync::Arc;
 
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
 use super::notes::{Element, Notes};
+use super::outlines::{self, Outlines};
 use super::style::Styles;
 use super::{attribute, href, is_svg};
+use crate::shape::Path;
 
 /// Most tags: serial numbers are exact in the 24 bits of an opacity.
 const TAGS: usize = 1 << 23;
@@ -44,6 +49,8 @@ pub(super) struct Tag {
     pub(super) opacity: f32,
     /// For a part of a text the opacity of its stroke.
     pub(super) stroke_opacity: f32,
+    /// Its outline, if `usvg` is given a stand-in.
+    pub(super) outline: Option<Arc<Path>>,
     /// For a part of a text the serial number of the part around it; 0 if there is none.
     outer: u32,
 }
@@ -80,13 +87,13 @@ struct Around {
     part: u32,
 }
 
-/// The document with tags, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) -> Option<(String, Tags)> {
+/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
+pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
     let mut tags = Tags::default();
-    let mut text = Insertions::new(xml.input_text());
+    let mut text = Edits::new(xml.input_text());
     let mut around: Vec<Around> = Vec::new();
     for node in xml.descendants() {
         let mut here = node.parent().map_or(Around::default(), |p| around[p.id().get_usize()]);
@@ -116,7 +123,8 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);
         let lost = own.is_some() != first.is_some()
             || first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
-        if (!lost && marker.is_none()) || tags.0.len() == TAGS {
+        let outline = outlines.of(node);
+        if (!lost && marker.is_none() && outline.is_none()) || tags.0.len() == TAGS {
             continue;
         }
         let id_of = |attribute: Option<Attribute<'_, '_>>| attribute.map(|a| a.value().to_owned()).unwrap_or_default();
@@ -127,6 +135,7 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
             marker: id_of(marker),
             opacity: 1.0,
             stroke_opacity: 1.0,
+            outline: outline.map(|outline| outline.path.clone()),
             outer: here.part,
         };
         let serial = tags.0.len() as u32 + 1;
@@ -142,6 +151,9 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
             text.style(node, format!("opacity:{value:e}!important;"));
         } else {
             continue;
+        }
+        if let (Some(outline), Some(data)) = (outline, outlines::data(node)) {
+            text.edits.push((data.range_value(), outline.stand_in()));
         }
         tags.0.push(tag);
     }
@@ -207,17 +219,18 @@ impl<'a> Ids<'a> {
     }
 }
 
-/// A text with insertions, made from front to back.
-struct Insertions<'t> {
+/// A text with edits, made from front to back.
+struct Edits<'t> {
     text: &'t str,
-    insertions: Vec<(usize, String)>,
+    /// What takes the place of what.
+    edits: Vec<(Range<usize>, String)>,
     /// The prefix of names that mean nothing; empty until it is needed.
     prefix: String,
 }
 
-impl<'t> Insertions<'t> {
-    fn new(text: &'t str) -> Insertions<'t> {
-        Insertions { text, insertions: Vec::new(), prefix: String::new() }
+impl<'t> Edits<'t> {
+    fn new(text: &'t str) -> Edits<'t> {
+        Edits { text, edits: Vec::new(), prefix: String::new() }
     }
 
     /// Takes an id out of SVG. It keeps its name within another namespace, because style sheets look at the name alone.
@@ -227,15 +240,19 @@ impl<'t> Insertions<'t> {
             let longest = self.text.split(|c| c != '_').map(str::len).max().unwrap_or(0);
             self.prefix = "_".repeat(longest + 1);
         }
-        self.insertions.push((id.range().start, format!("{}:", self.prefix)));
+        self.insert(id.range().start, format!("{}:", self.prefix));
+    }
+
+    fn insert(&mut self, at: usize, new: String) {
+        self.edits.push((at..at, new));
     }
 
     /// Puts declarations before those of an element's style.
     fn style(&mut self, node: Node<'_, '_>, declarations: String) {
         if let Some(style) = node.attributes().find(|a| a.namespace().is_none() && a.name() == "style") {
-            self.insertions.push((style.range_value().start, declarations));
+            self.insert(style.range_value().start, declarations);
         } else {
-            self.insertions.push((self.behind_name(node), format!(" style=\"{declarations}\"")));
+            self.insert(self.behind_name(node), format!(" style=\"{declarations}\""));
         }
     }
 
@@ -246,21 +263,22 @@ impl<'t> Insertions<'t> {
         start + name.unwrap_or(0)
     }
 
-    /// The new text; none if nothing was inserted.
+    /// The new text; none if nothing was edited.
     fn finish(mut self, root: Node<'_, '_>) -> Option<String> {
         if !self.prefix.is_empty() {
-            self.insertions.push((self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.prefix)));
+            self.insert(self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.prefix));
         }
-        if self.insertions.is_empty() {
+        if self.edits.is_empty() {
             return None;
         }
-        self.insertions.sort_by_key(|i| i.0);
-        let mut text = String::with_capacity(self.text.len() + self.insertions.iter().map(|i| i.1.len()).sum::<usize>());
+        self.edits.sort_by_key(|(place, _)| place.start);
+        let (removed, added) = self.edits.iter().fold((0, 0), |(removed, added), (place, new)| (removed + place.len(), added + new.len()));
+        let mut text = String::with_capacity(self.text.len() + added - removed);
         let mut from = 0;
-        for (at, inserted) in &self.insertions {
-            text.push_str(&self.text[from..*at]);
-            text.push_str(inserted);
-            from = *at;
+        for (place, new) in &self.edits {
+            text.push_str(&self.text[from..place.start]);
+            text.push_str(new);
+            from = place.end;
         }
         text.push_str(&self.text[from..]);
         Some(text)
