@@ -27,7 +27,7 @@ pub(super) fn parse(text: &str, limit: u64) -> Result<Path, Fault> {
     while let Some(command) = scanner.command().map_err(|stop| fault(text, stop))? {
         segments += 1;
         pen.draw(command, &mut scanner).map_err(|stop| fault(text, stop))?;
-        if !pen.finite() {
+        if !pen.finite {
             let what = format!("segment {segments} leaves the range of 64-bit numbers: use smaller coordinates");
             return Err(Fault { character: None, what, limit: false });
         }
@@ -57,7 +57,7 @@ pub(super) fn parse_single(text: &str) -> Option<Single> {
             Ok(Some(command)) if pen.draw(command, &mut scanner).is_ok() => {}
             end => break end == Ok(None),
         }
-        if !pen.finite() {
+        if !pen.finite {
             return None;
         }
     };
@@ -85,8 +85,8 @@ struct Pen<const SINGLE: bool> {
     closed: bool,
     /// The last segment was a move.
     moved: bool,
-    /// How many points are known to be finite.
-    checked: usize,
+    /// Whether all points so far are.
+    finite: bool,
 }
 
 impl<const SINGLE: bool> Pen<SINGLE> {
@@ -95,7 +95,7 @@ impl<const SINGLE: bool> Pen<SINGLE> {
         // An estimate: coordinates of seven characters. What is not used is given back at the end.
         let mut path = Path::default();
         path.reserve(text.len() / 16);
-        Pen { path, at: [0.0; 2], start: [0.0; 2], control: Control::None, closed: true, moved: false, checked: 0 }
+        Pen { path, at: [0.0; 2], start: [0.0; 2], control: Control::None, closed: true, moved: false, finite: true }
     }
 
     /// Draws a segment.
@@ -112,6 +112,7 @@ impl<const SINGLE: bool> Pen<SINGLE> {
             }
             b'm' => {
                 self.at = point()?;
+                self.held(self.at);
                 self.start = self.at;
                 self.closed = true;
                 self.moved = true;
@@ -149,7 +150,11 @@ impl<const SINGLE: bool> Pen<SINGLE> {
                 let to = place(scanner.number()?, scanner.number()?);
                 self.begin();
                 let arc = Arc { from: at, to, radii, rotation, large, sweep };
-                arc.cubics(|c, d, p| self.path.cubic_to(c, d, p));
+                arc.cubics(|c, d, p| {
+                    let [c, d, p] = [c, d, p].map(|p| self.held(p));
+                    self.path.cubic_to(c, d, p);
+                });
+                self.held(to);
                 self.at = to;
             }
             _ => {
@@ -168,26 +173,30 @@ impl<const SINGLE: bool> Pen<SINGLE> {
     fn begin(&mut self) {
         self.moved = false;
         if std::mem::replace(&mut self.closed, false) {
-            self.path.move_to(held::<SINGLE>(self.at));
+            let at = self.held(self.at);
+            self.path.move_to(at);
         }
     }
 
     fn line(&mut self, p: Point) {
         self.begin();
-        self.path.line_to(held::<SINGLE>(p));
+        let held = self.held(p);
+        self.path.line_to(held);
         self.at = p;
     }
 
     fn quad(&mut self, c: Point, p: Point) {
         self.begin();
-        self.path.quad_to(held::<SINGLE>(c), held::<SINGLE>(p));
+        let held = [c, p].map(|p| self.held(p));
+        self.path.quad_to(held[0], held[1]);
         self.control = Control::Quad(c);
         self.at = p;
     }
 
     fn cubic(&mut self, c: Point, d: Point, p: Point) {
         self.begin();
-        self.path.cubic_to(held::<SINGLE>(c), held::<SINGLE>(d), held::<SINGLE>(p));
+        let held = [c, d, p].map(|p| self.held(p));
+        self.path.cubic_to(held[0], held[1], held[2]);
         self.control = Control::Cubic(d);
         self.at = p;
     }
@@ -196,23 +205,17 @@ impl<const SINGLE: bool> Pen<SINGLE> {
         [2.0 * self.at[0] - c[0], 2.0 * self.at[1] - c[1]]
     }
 
-    /// Whether all that the last segment added is finite.
-    fn finite(&mut self) -> bool {
-        let points = self.path.points();
-        let new = &points[self.checked..];
-        self.checked = points.len();
-        new.iter().chain([&self.at]).all(|p| p[0].is_finite() && p[1].is_finite())
+    /// A point as the path keeps it.
+    fn held(&mut self, p: Point) -> Point {
+        let held = if SINGLE { p.map(|v| f64::from(v as f32)) } else { p };
+        self.finite &= held[0].is_finite() & held[1].is_finite();
+        held
     }
 
     fn end(mut self) -> Path {
         self.path.shrink_to_fit();
         self.path
     }
-}
-
-/// A point as the path keeps it.
-fn held<const SINGLE: bool>(p: Point) -> Point {
-    if SINGLE { p.map(|v| f64::from(v as f32)) } else { p }
 }
 
 fn fault(text: &str, stop: Stop) -> Fault {
