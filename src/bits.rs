@@ -58,6 +58,11 @@ impl BitSet {
         }
     }
 
+    /// Adds a member or removes it.
+    pub fn set(&mut self, member: usize, is_in: bool) {
+        if is_in { self.insert(member) } else { self.remove(member) }
+    }
+
     /// The smallest member.
     pub fn first(&self) -> Option<usize> {
         self.descend(|word| word.trailing_zeros() as usize)

@@ -99,6 +99,11 @@ impl Program {
         self.links.iter().all(|&(child, parent, _)| child < parent) && self.first.len() == self.rules.len() + 1
     }
 
+    /// Number of nodes, leaves among them.
+    pub fn nodes(&self) -> usize {
+        self.rules.len()
+    }
+
     /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.outputs.len()

@@ -13,10 +13,13 @@
 //!      4\_  | 3
 //! ```
 
+use std::ops::Range;
+
 use crate::count::Node;
 use crate::error::{Error, Kind, Result};
-use crate::grid::{self, Point, SUB};
-use crate::line::{Line, far};
+use crate::grid::{self, Point};
+use crate::line::Line;
+use crate::line::exact::{self, Piece};
 use crate::shape::flatten::Flattening;
 use crate::shape::{Shape, Transform, Verb};
 use crate::sweep::{Edge, Edges};
@@ -60,14 +63,16 @@ pub struct Builder {
     /// Parts of the chain that is being gathered, in the order of the ring.
     chain: Vec<Part>,
     downwards: bool,
-    pieces: Vec<far::Piece>,
+    pieces: Vec<Piece>,
+    /// For every point of a ring the first scanline that is not above it.
+    rows: Vec<u32>,
 }
 
 impl Builder {
     /// For a page of `width` x `height` pixels; curves are flattened to `tolerance` pixels. More than `limit` edges are refused.
     pub fn new(width: u32, height: u32, placement: Placement, tolerance: f64, limit: u64) -> Builder {
         Builder {
-            edges: Edges::new(width),
+            edges: Edges::default(),
             width,
             height,
             placement,
@@ -78,6 +83,7 @@ impl Builder {
             chain: Vec::new(),
             downwards: true,
             pieces: Vec::new(),
+            rows: Vec::new(),
         }
     }
 
@@ -126,7 +132,8 @@ impl Builder {
     }
 
     fn add_ring(&mut self, ring: &[Point], leaf: Node, name: &str) -> Result<()> {
-        if !ring.as_flattened().iter().all(|v| v.is_finite()) {
+        let near = ring.as_flattened().iter().fold(true, |near, v| near & (v.abs() <= grid::NEAR));
+        if !near && !ring.as_flattened().iter().all(|v| v.is_finite()) {
             let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
             return Err(Error::input(Kind::Refused, what));
         }
@@ -135,39 +142,49 @@ impl Builder {
             let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
             return Err(Error::input(Kind::Limit, what));
         }
-        // From a topmost point on, so that no chain is cut where the ring happens to begin.
-        let top = (0..ring.len()).min_by(|&i, &j| ring[i][1].total_cmp(&ring[j][1])).unwrap_or(0);
-        let mut from = grid::snap_point(ring[top]);
-        for i in (top + 1..ring.len()).chain(0..=top) {
-            let to = grid::snap_point(ring[i]);
-            self.add_edge(from, to, leaf);
-            from = to;
+        let height = f64::from(self.height);
+        let mut rows = std::mem::take(&mut self.rows);
+        rows.clear();
+        if near {
+            let height = i64::from(self.height);
+            rows.extend(ring.iter().map(|p| grid::first_centre(grid::steps(p[1])).clamp(0, height) as u32));
+        } else {
+            rows.extend(ring.iter().map(|p| exact::row(grid::snap(p[1])).clamp(0.0, height) as u32));
         }
+        // From a topmost point on, so that no chain is cut where the ring happens to begin.
+        let least = rows.iter().fold(u32::MAX, |least, &row| least.min(row));
+        let top = rows.iter().position(|&row| row == least).unwrap_or(0);
+        // Most edges of fine outlines meet no scanline.
+        for i in (top..ring.len()).chain(0..top) {
+            let next = if i + 1 < ring.len() { i + 1 } else { 0 };
+            if rows[i] != rows[next] {
+                self.add_edge(ring[i], ring[next], rows[i]..rows[next], near, leaf);
+            }
+        }
+        self.rows = rows;
         self.end_chain(leaf);
         Ok(())
     }
 
-    /// Adds an edge between two snapped points.
-    fn add_edge(&mut self, from: Point, to: Point, leaf: Node) {
-        let downwards = from[1] < to[1];
-        let (top, bottom) = if downwards { (from, to) } else { (to, from) };
-        let rows = far::rows(top, bottom, self.height);
-        if rows.is_empty() {
-            return;
-        }
-        if top[0].min(bottom[0]) > f64::from(self.width) - 0.5 {
+    /// Adds the edge between two points that meets scanlines, going down or up: those from the first row on, or back from it.
+    fn add_edge(&mut self, from: Point, to: Point, rows: Range<u32>, near: bool, leaf: Node) {
+        let downwards = rows.start < rows.end;
+        let (top, bottom, rows) = if downwards { (from, to, rows) } else { (to, from, rows.end..rows.start) };
+        let steps = |p: Point| p.map(grid::steps);
+        let [x, y] = [top, bottom].map(|p| grid::snap(p[0]));
+        if x.min(y) > f64::from(self.width) - 0.5 {
             self.open = true;
             return;
         }
         self.pieces.clear();
-        if top[0].max(bottom[0]) <= 0.5 {
-            self.pieces.push(far::Piece { last: rows.end, line: Line::vertical(0) });
-        } else if grid::is_near(top) && grid::is_near(bottom) {
-            let steps = |p: Point| p.map(|v| (v * SUB as f64) as i64);
-            let line = Line::through(steps(top), steps(bottom), rows.start, rows.end - rows.start);
-            self.pieces.push(far::Piece { last: rows.end, line });
+        if x.max(y) <= 0.5 {
+            self.pieces.push(Piece { last: rows.end, line: Line::vertical(0) });
+        } else if let Some(line) =
+            near.then(|| Line::through(steps(top), steps(bottom), rows.start, rows.end - rows.start, self.width)).flatten()
+        {
+            self.pieces.push(Piece { last: rows.end, line });
         } else {
-            far::reduce(top, bottom, rows.clone(), self.width, &mut self.pieces);
+            exact::pieces(grid::snap_point(top), grid::snap_point(bottom), rows.clone(), self.width, &mut self.pieces);
         }
         let joined = self
             .chain
