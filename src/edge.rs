@@ -126,6 +126,18 @@ impl Builder {
         self.seen += 4;
     }
 
+    /// Puts the edges of another builder for the same page behind those of this. False, and nothing is to be made of it, if together they are too many.
+    #[must_use]
+    pub fn append(&mut self, other: Builder) -> bool {
+        self.seen += other.seen;
+        self.open |= other.open;
+        let within = self.seen <= self.limit;
+        if within {
+            self.edges.append(other.edges);
+        }
+        within
+    }
+
     /// The edges, sorted; whether windings stay open at the right end of scanlines; and how many edges were seen before any was dropped.
     pub fn finish(self) -> (Edges<Side>, bool, u64) {
         (self.edges.finish(), self.open, self.seen)

@@ -224,7 +224,11 @@ mod tests {
     fn the_bound_holds_beside_pixel_centres_and_is_needed() {
         let (wrong, tried) = wrong_beside_centres(BOUND);
         assert_eq!((wrong, tried), (0, 2800));
-        assert!(wrong_beside_centres(BOUND << 4).0 > 100, "the same lines, sixteen times taller, go wrong: {:?}", wrong_beside_centres(BOUND << 4));
+        assert!(
+            wrong_beside_centres(BOUND << 4).0 > 100,
+            "the same lines, sixteen times taller, go wrong: {:?}",
+            wrong_beside_centres(BOUND << 4)
+        );
     }
 
     #[test]

@@ -182,7 +182,13 @@ impl<T: Copy> Sweep<T> {
         self.entry = edges.entry(y);
         for chain in edges.straddling(y) {
             let (edge, line) = edges.edge_at(chain, y);
-            self.occupy(y, Active { edge, end: chain.end, since: y, ended: false }, line.parts(), edges.edges[edge as usize].last, chain.tag);
+            self.occupy(
+                y,
+                Active { edge, end: chain.end, since: y, ended: false },
+                line.parts(),
+                edges.edges[edge as usize].last,
+                chain.tag,
+            );
         }
         self.list = (0..self.at.len() as u32).map(Entry).collect();
         self.columns = self.at.iter().map(|&at| line::column(at)).collect();
@@ -321,7 +327,8 @@ impl<T: Copy> Sweep<T> {
     }
 
     fn sort(&mut self) {
-        let mut order: Vec<u64> = self.columns.iter().zip(&self.list).map(|(&column, entry)| u64::from(column) << 32 | u64::from(entry.0)).collect();
+        let mut order: Vec<u64> =
+            self.columns.iter().zip(&self.list).map(|(&column, entry)| u64::from(column) << 32 | u64::from(entry.0)).collect();
         order.sort_unstable();
         self.columns.iter_mut().zip(&order).for_each(|(column, key)| *column = (key >> 32) as u32);
         self.list.iter_mut().zip(&order).for_each(|(entry, key)| *entry = Entry(*key as u32));

@@ -76,6 +76,13 @@ impl<T: Copy> Edges<T> {
         }
     }
 
+    /// Puts the chains of others behind these; neither are sorted yet.
+    pub fn append(&mut self, others: Edges<T>) {
+        let before = u32::try_from(self.edges.len()).expect("edges are limited at the door");
+        self.edges.extend(others.edges);
+        self.chains.extend(others.chains.into_iter().map(|chain| Chain { start: chain.start + before, end: chain.end + before, ..chain }));
+    }
+
     /// Sorts the chains. To be called once, behind the last [`Edges::add`].
     #[must_use]
     pub fn finish(mut self) -> Edges<T> {
@@ -259,7 +266,8 @@ mod tests {
     fn a_chain_that_goes_on_is_no_event() {
         let mut edges = Edges::default();
         let corner = |i: i64| [i * i * 40, i * 2560];
-        let side = (0..20).map(|i| Edge { last: i as u32 * 10 + 10, line: Line::through(corner(i), corner(i + 1), i as u32 * 10, 10, 1000).unwrap() });
+        let side = (0..20)
+            .map(|i| Edge { last: i as u32 * 10 + 10, line: Line::through(corner(i), corner(i + 1), i as u32 * 10, 10, 1000).unwrap() });
         edges.add(0, side, 'a');
         edges.add(0, [Edge { last: 200, line: Line::vertical(900) }], 'b');
         let edges = edges.finish();

@@ -13,8 +13,6 @@
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::{panic, thread};
 
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 use usvg::tiny_skia_path::PathBuilder;
@@ -22,6 +20,7 @@ use usvg::tiny_skia_path::PathBuilder;
 use super::{attribute, href, is_svg};
 use crate::input::path_data;
 use crate::shape::{Path, Verb};
+use crate::spread::spread;
 
 /// Path data of so many bytes are long.
 const LONG: usize = 1024;
@@ -61,20 +60,9 @@ impl Outlines {
     pub(super) fn read(xml: &Document<'_>, threads: usize) -> Outlines {
         let long = long(xml);
         let bytes: usize = long.iter().map(|(_, data)| data.len()).sum();
-        let threads = threads.min(1 + bytes / SHARE).min(long.len());
-        let next = AtomicUsize::new(0);
-        let work = || {
-            let take = || long.get(next.fetch_add(1, Ordering::Relaxed));
-            std::iter::from_fn(take).filter_map(|&(id, data)| Some((id, Outline::read(data)?))).collect::<Vec<_>>()
-        };
-        thread::scope(|scope| {
-            // Without them the work is done here.
-            let others: Vec<_> = (1..threads).filter_map(|_| thread::Builder::new().spawn_scoped(scope, work).ok()).collect();
-            let mut outlines = HashMap::new();
-            outlines.extend(work());
-            others.into_iter().for_each(|other| outlines.extend(other.join().unwrap_or_else(|fault| panic::resume_unwind(fault))));
-            Outlines(outlines)
-        })
+        let threads = threads.min(1 + bytes / SHARE);
+        let read = spread(&long, threads, |&(id, data)| Some((id, Outline::read(data)?)));
+        Outlines(read.into_iter().flatten().collect())
     }
 
     /// The outline of an element, if it was read here.
