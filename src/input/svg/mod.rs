@@ -6,14 +6,19 @@
 //! `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on the way, each with the element's id
 //! ([`notes`]).
 //!
-//! Nothing outside the document is ever opened.
+//! Nothing outside the document is ever opened; what leads there is named ([`outside`]).
 
 mod cut;
+mod drawn;
+mod geometry;
+mod ink;
 mod markup;
 mod names;
 mod notes;
 mod numbers;
 mod outlines;
+mod outside;
+mod parts;
 mod references;
 mod style;
 mod tags;
@@ -63,6 +68,7 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     numbers::check(&xml, &outlines)?;
     text::check(&xml)?;
     let mut notes = Notes::read(&xml);
+    outside::note(&xml, &styles, &mut notes);
     let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
     drop((styles, outlines));
     let scene = if let Some((text, tags)) = tagged {

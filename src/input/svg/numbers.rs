@@ -2,10 +2,10 @@
 
 use usvg::roxmltree::Document;
 
+use super::geometry::{IDENTITY, product};
 use super::is_svg;
 use super::notes::element;
 use super::outlines::Outlines;
-use super::tree::{IDENTITY, product};
 use crate::error::{Error, Kind, Result};
 
 /// Decimal digits before the point, exponent included, that no coordinate and no transform may pass. A coordinate of that size under a

@@ -162,7 +162,7 @@ mod tests {
         let tree = usvg::Tree::from_str(&text, &usvg::Options::default()).unwrap();
         let [usvg::Node::Path(path)] = tree.root().children() else { return None };
         let b = path.bounding_box();
-        Some((super::super::tree::outline(path), [b.left(), b.top(), b.right(), b.bottom()]))
+        Some((super::super::geometry::outline(path), [b.left(), b.top(), b.right(), b.bottom()]))
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! ```
 //!
 //! and the true opacity is kept beside it. Parts of a `text` are marked in the same way by the opacity of their fill and of their stroke.
+//! Attributes of other namespaces that `usvg` would take for SVG's own, such as `s:id`, get a name that means nothing.
 //! A document in which no id would be lost is left as it is. The document is rewritten as text, once: by insertions, and by stand-ins for long outlines
 //! ([`super::outlines`]), which are kept with the tag of their element.
 //!
@@ -98,7 +99,7 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlin
     for node in xml.descendants() {
         let mut here = node.parent().map_or(Around::default(), |p| around[p.id().get_usize()]);
         // What an entity holds stands in several places at once.
-        let fixed = !node.is_element() || !is_svg(node) || node.range().start < root.range().start;
+        let fixed = !node.is_element() || node.range().start < root.range().start;
         let own = id(node);
         let name = node.tag_name().name();
         if node.is_element() {
@@ -108,7 +109,10 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlin
             here.marked |= has_markers && sets_markers(node, styles);
         }
         around.push(here);
-        if fixed || node == root {
+        if !fixed {
+            node.attributes().filter(is_mistaken).for_each(|a| text.disguise(a));
+        }
+        if fixed || !is_svg(node) || node == root {
             continue;
         }
         let first = own.filter(|id| ids.of.get(id.value()).is_some_and(|found| found.first == node.id()));
@@ -192,6 +196,20 @@ fn id<'a, 'i>(node: Node<'a, 'i>) -> Option<Attribute<'a, 'i>> {
     node.attributes().find(|a| a.namespace().is_none() && a.name() == "id" && !a.value().is_empty()).filter(|_| is_svg(node))
 }
 
+/// Whether an attribute is not SVG's, but looks so to `usvg`: it takes any name of these namespaces for SVG's own, and for some looks at the
+/// name alone.
+fn is_mistaken(attribute: &Attribute<'_, '_>) -> bool {
+    match attribute.namespace() {
+        None => false,
+        Some("http://www.w3.org/2000/svg") => true,
+        Some("http://www.w3.org/1999/xlink") => {
+            !matches!(attribute.name(), "href" | "type" | "role" | "arcrole" | "title" | "show" | "actuate")
+        }
+        Some("http://www.w3.org/XML/1998/namespace") => !matches!(attribute.name(), "space" | "lang" | "base"),
+        Some(_) => matches!(attribute.name(), "id" | "class" | "style"),
+    }
+}
+
 /// The ids of a document.
 struct Ids<'a> {
     of: HashMap<&'a str, Found>,
@@ -224,27 +242,41 @@ struct Edits<'t> {
     text: &'t str,
     /// What takes the place of what.
     edits: Vec<(Range<usize>, String)>,
-    /// The prefix of names that mean nothing; empty until it is needed.
-    prefix: String,
+    /// Underscores, more in a row than the document has anywhere; empty until they are needed.
+    blank: String,
+    /// Whether they stand for a namespace.
+    prefixed: bool,
 }
 
 impl<'t> Edits<'t> {
     fn new(text: &'t str) -> Edits<'t> {
-        Edits { text, edits: Vec::new(), prefix: String::new() }
-    }
-
-    /// Takes an id out of SVG. It keeps its name within another namespace, because style sheets look at the name alone.
-    fn rename(&mut self, id: Attribute<'_, '_>) {
-        if self.prefix.is_empty() {
-            // A prefix that the document does not have, because it is longer than any such.
-            let longest = self.text.split(|c| c != '_').map(str::len).max().unwrap_or(0);
-            self.prefix = "_".repeat(longest + 1);
-        }
-        self.insert(id.range().start, format!("{}:", self.prefix));
+        Edits { text, edits: Vec::new(), blank: String::new(), prefixed: false }
     }
 
     fn insert(&mut self, at: usize, new: String) {
         self.edits.push((at..at, new));
+    }
+
+    /// A name, or a piece of one, that the document does not have.
+    fn blank(&mut self) -> &str {
+        if self.blank.is_empty() {
+            let longest = self.text.split(|c| c != '_').map(str::len).max().unwrap_or(0);
+            self.blank = "_".repeat(longest + 1);
+        }
+        &self.blank
+    }
+
+    /// Takes an id out of SVG. It keeps its name within another namespace, because style sheets look at the name alone.
+    fn rename(&mut self, id: Attribute<'_, '_>) {
+        let prefix = format!("{}:", self.blank());
+        self.prefixed = true;
+        self.insert(id.range().start, prefix);
+    }
+
+    /// Gives an attribute a name that nobody looks for.
+    fn disguise(&mut self, attribute: Attribute<'_, '_>) {
+        let suffix = self.blank().to_owned();
+        self.insert(attribute.range_qname().end, suffix);
     }
 
     /// Puts declarations before those of an element's style.
@@ -265,8 +297,8 @@ impl<'t> Edits<'t> {
 
     /// The new text; none if nothing was edited.
     fn finish(mut self, root: Node<'_, '_>) -> Option<String> {
-        if !self.prefix.is_empty() {
-            self.insert(self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.prefix));
+        if self.prefixed {
+            self.insert(self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.blank));
         }
         if self.edits.is_empty() {
             return None;
