@@ -263,7 +263,39 @@ fn what_is_not_drawn_is_warned_about_once_with_its_id() {
         ),
         (r#"<use href="other.svg#x"/>"#, &["an element without an id: \"other.svg#x\" is outside the document and not read"]),
         (r#"<a href="https://example.org/"><rect width="5" height="5"/></a>"#, &[]),
-        (r#"<style>@import url(a.css);</style>"#, &["an element without an id: style sheets outside the document are not read"]),
+        (
+            r##"<defs><style id="s">/* @import "no"; */ @import url(a.css);@import 'b.css' print; @font-face{font-family:a;src:url(data:a),url("c.ttf")}
+                .a{cursor:url(no)} @namespace url(http://www.w3.org/2000/svg);</style></defs>"##,
+            &[
+                "\"s\": the style sheet \"a.css\" is outside the document and not read",
+                "\"s\": the style sheet \"b.css\" is outside the document and not read",
+                "\"s\": the font \"c.ttf\" is outside the document and not read",
+            ],
+        ),
+        (
+            r##"<style>.a{clip-path:url("a.svg#b")}</style><rect id="r" class="a" width="5" height="5" fill="url( 'b.svg#c' ) red"
+                style="marker-end:url(#m);stroke:URL(c.svg#d)"/>"##,
+            &[
+                "\"r\": \"b.svg#c\" is outside the document and not read",
+                "\"r\": \"a.svg#b\" is outside the document and not read",
+                "\"r\": \"c.svg#d\" is outside the document and not read",
+            ],
+        ),
+        (
+            r##"<linearGradient id="g" href="a.svg#b"/><pattern id="p" xlink:href="data:image/svg+xml,x"/><text id="t"><textPath id="u" href="http://a/#b">x</textPath></text>
+                <filter id="f"><feImage href="x.png"/></filter>"##,
+            &[
+                "\"g\": \"a.svg#b\" is outside the document and not read",
+                "\"p\": \"data:image/svg+xml,x\" is a document of its own and not read",
+                "\"u\": \"http://a/#b\" is outside the document and not read",
+                "an element in \"f\": \"x.png\" is outside the document and not read",
+            ],
+        ),
+        (
+            r##"<style>@media print{} .a{cursor:url(a.png)}</style><a href="http://a/"><rect class="a" style="cursor:url(a.png)" width="5" height="5"/></a>
+                <linearGradient id="l" href="#m"/><script href="a.js"/><path d="M0 0h9v9" mask="url(#m) "/>"##,
+            &[],
+        ),
         (r#"<foreignObject id="f" width="5" height="5"/>"#, &["\"f\": <foreignObject> is not drawn"]),
         (
             r#"<g id="g" opacity="0.5"><rect width="5" height="5" fill-opacity=".5"/></g>"#,

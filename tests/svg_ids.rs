@@ -130,6 +130,27 @@ fn symbols_and_nested_svgs_have_areas() {
     );
 }
 
+/// The library looks at the names of attributes where it should look at their namespaces.
+#[test]
+fn attributes_of_other_namespaces_are_not_svg_s() {
+    let spaces = r#"xmlns:s="http://www.w3.org/2000/svg" xmlns:o="urn:other""#;
+    check(
+        &format!(
+            r##"<g {spaces}><style>.k{{display:none}} #a{{display:none}}</style><g id="g" o:id="a" s:id="a" xml:id="a" o:class="k" o:style="display:none" s:display="none" xlink:x="5">
+                <rect id="b" o:id="c" s:x="5" s:y="1" xlink:width="9" width="2" height="2"/></g>
+            <defs><rect id="d" s:id="a" width="1" height="1"/></defs><use id="u" o:href="#b" xlink:href="#d" x="8"/></g>"##
+        ),
+        &[("g", &[[0, 0, 2, 2]]), ("b", &[[0, 0, 2, 2]]), ("d", &[[8, 0, 9, 1]]), ("u", &[[8, 0, 9, 1]])],
+    );
+    // The first element of that id, and not one that only looks so.
+    check(
+        &format!(
+            r##"<g {spaces}><g o:id="r"><use id="u" href="#r" y="4"/></g><defs>{SQUARE}</defs><ellipse id="____" o:id____="1" o:id="r" rx="0"/></g>"##
+        ),
+        &[("u", &[[0, 4, 2, 6]]), ("r", &[[0, 4, 2, 6]]), ("____", &[])],
+    );
+}
+
 #[test]
 fn a_switch_draws_its_first_child_that_may_be() {
     check(

@@ -113,6 +113,20 @@ impl Builder {
         self.seen += 4;
     }
 
+    /// Puts the edges of another builder for the same page, of other leaves, behind those of this. False, and nothing is to be made of it, if together they
+    /// are too many.
+    #[must_use]
+    pub fn append(&mut self, other: Builder) -> bool {
+        self.seen += other.seen;
+        self.leaves += other.leaves;
+        self.outline.open |= other.outline.open;
+        let within = self.seen <= self.limit;
+        if within {
+            self.edges.append(other.edges);
+        }
+        within
+    }
+
     /// The edges, sorted.
     pub fn finish(self) -> Outlines {
         Outlines { edges: self.edges.finish(), leaves: self.leaves, open: self.outline.open, seen: self.seen }

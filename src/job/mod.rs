@@ -9,6 +9,7 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod gather;
 mod info;
 mod pump;
 mod render;
@@ -139,16 +140,14 @@ impl Job {
         }
 
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
-        let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
-        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| builder.holds_page(shape));
+        let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
+        let page_alone = builder();
+        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
         let (inks, ink_of_layer) = distinct_inks(&layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
         }
-        for (shape, leaf) in leaves {
-            let shape = &scene.shapes[shape];
-            if builder.holds_page(shape) { builder.skip_rectangle() } else { builder.add(shape, leaf)? }
-        }
+        let builder = gather::edges(&scene.shapes, &leaves, options.limits.threads, builder)?;
         drop(scene);
         let outlines = builder.finish();
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };

@@ -76,6 +76,13 @@ impl<T: Copy> Edges<T> {
         }
     }
 
+    /// Puts the chains of others behind these; neither are sorted yet.
+    pub fn append(&mut self, others: Edges<T>) {
+        let before = u32::try_from(self.edges.len()).expect("edges are limited at the door");
+        self.edges.extend(others.edges);
+        self.chains.extend(others.chains.into_iter().map(|chain| Chain { start: chain.start + before, end: chain.end + before, ..chain }));
+    }
+
     /// Sorts the chains. To be called once, behind the last [`Edges::add`].
     #[must_use]
     pub fn finish(mut self) -> Edges<T> {

@@ -2,7 +2,7 @@
 //! is painted.
 //!
 //! A file is a test. Those that `waiting.txt` lists are expected to fail and are told with the reason; one that passes must leave the list.
-//! A file may say `<!-- not flat: why -->` (its colours are not compared) or `<!-- no ids: why -->` (nor its ids). The worst file is printed at the end.
+//! A file may say `<!-- not flat: why -->`: its colours are not compared. The worst file is printed at the end.
 
 #![allow(clippy::unwrap_used)] // all of this is tests
 
@@ -101,9 +101,7 @@ fn check(name: &str, file: &Path, worst: &Worst) -> Vec<String> {
             Err(e) => failures.push(e),
         }
     }
-    if !text.contains("<!-- no ids: ") {
-        ids(&text, scale, &compare, &mut failures);
-    }
+    ids(&text, scale, &compare, &mut failures);
     failures
 }
 

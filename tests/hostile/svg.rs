@@ -203,13 +203,24 @@ fn nothing_outside_is_asked_for() {
     let warned = Warned("is outside the document and not read");
     let mut cases = Vec::new();
     for address in addresses {
-        for inside in [
+        let inside = [
             format!("<image id='i' width='9' height='9' href='{address}'/>"),
             format!("<use id='u' href='{address}#r'/>"),
             format!("<filter id='f'><feImage id='g' href='{address}'/></filter><rect width='9' height='9' filter='url(#f)'/>"),
-        ] {
-            let right = if inside.contains("feImage") { Warned("filter") } else { warned };
-            cases.push((inside.clone(), svg(&inside), right));
+            format!(
+                "<linearGradient id='l' xlink:href='{address}#r' xmlns:xlink='http://www.w3.org/1999/xlink'/><rect width='9' height='9' fill='url(#l)'/>"
+            ),
+            format!("<pattern id='p' href='{address}#r'/><rect width='9' height='9' fill='url(#p)'/>"),
+            format!("<text y='9'><textPath href='{address}#r'>text</textPath></text>"),
+            format!("<style>@import '{address}';</style>"),
+            format!("<style>@font-face {{ font-family: f; src: url({address}) }}</style><text y='9' font-family='f'>text</text>"),
+            format!("<style>rect {{ fill: url({address}#r) }}</style><rect width='9' height='9'/>"),
+        ];
+        let properties = ["fill", "stroke", "clip-path", "mask", "filter", "marker-start", "marker-mid", "marker-end"];
+        let attributes = properties.map(|p| format!("<path d='M0 0H9V9' {p}='url({address}#r)'/>"));
+        let styles = properties.map(|p| format!("<path d='M0 0H9V9' style='{p}:url(&quot;{address}#r&quot;)'/>"));
+        for inside in inside.into_iter().chain(attributes).chain(styles) {
+            cases.push((inside.clone(), svg(&inside), warned));
         }
     }
     check("fill", cases);

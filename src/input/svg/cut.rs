@@ -12,7 +12,7 @@ use std::collections::hash_map::Entry;
 
 use usvg::{ClipPath, Group, Mask, MaskType};
 
-use super::tree::{Sink, closed};
+use super::parts::{Sink, closed};
 use crate::run::Rgb;
 use crate::scene::{Area, Formula};
 

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use usvg::roxmltree::Document;
 
+use super::drawn::{Drawn, Walked};
 use super::notes::{Element, Notes};
-use super::tree::{Drawn, Walked};
 use super::{attribute, is_svg};
 use crate::error::{Error, Kind, Result};
 use crate::run::Rgb;

@@ -42,7 +42,7 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
 }
 
 impl Notes {
-    /// Notes what `usvg` leaves out without a word: images, and whatever stands outside the document.
+    /// Notes what `usvg` leaves out without a word, images above all.
     pub(super) fn read(xml: &Document<'_>) -> Notes {
         let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
         let mut starts = HashMap::new();
@@ -81,15 +81,10 @@ impl Notes {
         let mut drawn: Vec<bool> = Vec::new();
         for node in xml.descendants() {
             let parent = node.parent().is_none_or(|p| drawn[p.id().get_usize()]);
-            drawn.push(node.attribute("id").is_some_and(|id| used.contains(id)) || (parent && is_drawn(node)));
+            drawn.push(attribute(node, "id").is_some_and(|id| used.contains(id)) || (parent && is_drawn(node)));
             if drawn[node.id().get_usize()] {
                 self.see(node);
             }
-        }
-        for node in xml.root().children() {
-            let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };
-            let what = format!("the style sheet {} is outside the document and not read", quoted(pi.value.unwrap_or_default()));
-            self.add_at(Some(node.range().start), element(node), what);
         }
     }
 
@@ -103,12 +98,7 @@ impl Notes {
         match name {
             "image" => add("images are not drawn yet"),
             "foreignObject" | "video" | "iframe" | "canvas" => add(&format!("<{name}> is not drawn")),
-            "style" if node.text().is_some_and(|t| t.contains("@import")) => add("style sheets outside the document are not read"),
             _ => {}
-        }
-        let outside = href(node).filter(|h| !h.trim_start().starts_with('#') && !h.trim_start().starts_with("data:"));
-        if let Some(outside) = outside.filter(|_| !matches!(name, "a" | "script")) {
-            add(&format!("{} is outside the document and not read", quoted(outside)));
         }
         if is_styled(node, "stroke-linejoin", "arcs") {
             add("joins of the kind arcs are not drawn: mitered instead");

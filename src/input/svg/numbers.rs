@@ -2,17 +2,18 @@
 
 use usvg::roxmltree::Document;
 
+use super::geometry::{IDENTITY, product};
 use super::is_svg;
 use super::notes::element;
-use super::tree::{IDENTITY, product};
+use super::outlines::Outlines;
 use crate::error::{Error, Kind, Result};
 
 /// Decimal digits before the point, exponent included, that no coordinate and no transform may pass. A coordinate of that size under a
 /// transform of that size is still within 32-bit range.
 const DIGITS: i64 = 18;
 
-/// Refuses a document with such a number, or with nested transforms that multiply to one.
-pub(super) fn check(xml: &Document<'_>) -> Result<()> {
+/// Refuses a document with such a number, or with nested transforms that multiply to one. Outlines that have been read may be known to have none.
+pub(super) fn check(xml: &Document<'_>, outlines: &Outlines) -> Result<()> {
     let mut products = vec![IDENTITY];
     // For every node the index of its product.
     let mut under: Vec<u32> = Vec::new();
@@ -21,7 +22,8 @@ pub(super) fn check(xml: &Document<'_>) -> Result<()> {
         for attribute in node.attributes().filter(|a| a.namespace().is_none() && is_svg(node)) {
             let (name, value) = (attribute.name(), attribute.value());
             let transform = name == "transform";
-            if !transform && !is_geometry(name) {
+            let known = name == "d" && outlines.of(node).is_some_and(|outline| outline.plain);
+            if known || (!transform && !is_geometry(name)) {
                 continue;
             }
             let refuse = |what: String, offset: usize| {

@@ -85,7 +85,7 @@ impl<'a, 'i> Graph<'a, 'i> {
     fn read(xml: &'a Document<'i>, styles: &Styles<'a>) -> Graph<'a, 'i> {
         let mut ids: HashMap<&str, (NodeId, NodeId)> = HashMap::new();
         for node in xml.descendants() {
-            if let Some(id) = node.attribute("id") {
+            if let Some(id) = attribute(node, "id") {
                 ids.entry(id).or_insert((node.id(), node.id())).1 = node.id();
             }
         }

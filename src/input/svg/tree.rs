@@ -2,8 +2,7 @@
 //!
 //! `usvg` gives a tree of groups and paths: coordinates and matrices in 32-bit, which are kept as they are and multiplied in
 //! 64-bit on the way down. What clips or masks a group is an area too ([`super::cut`]): a [`Part`] of the drawing is where a shape is
-//! filled, together with the area that all groups around it are cut to. Neighbours that are cut alike are joined before they are cut, so a
-//! clip path costs a gate for each group that it is set on and not for each shape.
+//! filled, together with the area that all groups around it are cut to.
 //!
 //! One loop with an explicit stack walks the drawing, the clip paths and the masks. What paints is kept in a [`Sink`], one for the
 //! drawing and one for each clip path or mask under way, which is walked before the group that it cuts. A stroke is a shape of its own beside
@@ -11,70 +10,22 @@
 
 use std::collections::HashMap;
 use std::iter::Peekable;
-use std::ops::Range;
+use std::sync::Arc;
 
-use usvg::tiny_skia_path::PathSegment;
-use usvg::{BlendMode, Group, LineCap, LineJoin, MaskType, Node, PaintOrder};
+use usvg::{BlendMode, Group, MaskType, Node, PaintOrder};
 
 use super::cut::{Cuts, Cutter, Key};
+use super::drawn::{Drawn, Walked};
+use super::geometry::{IDENTITY, matrix, outline, product, stroke};
+use super::ink;
 use super::notes::{Element, Notes};
+use super::parts::{Part, Sink, closed, joined};
 use super::tags::Tags;
 use super::text;
 use crate::error::{Error, Kind, Result};
-use crate::grid::Point;
 use crate::input::finite;
-use crate::run::Rgb;
-use crate::scene::{Area, Formula, Layer, Limits, Picture, Scene};
-use crate::shape::{Cap, FillRule, Join, Path, Shape, Stroke, Transform};
-
-/// Every point stays.
-pub(super) const IDENTITY: [f64; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-
-/// What stands for a pattern.
-const PATTERN: Rgb = [0x80; 3];
-
-/// A drawing without the names of its areas.
-pub(super) struct Walked<'t> {
-    pub(super) scene: Scene,
-    /// What was drawn under an id.
-    pub(super) drawn: HashMap<&'t str, Drawn>,
-    /// The shapes that paint, in painting order, with their inks.
-    pub(super) paints: Vec<(u32, Rgb)>,
-}
-
-/// All places where an element is drawn.
-#[derive(Clone)]
-pub(super) struct Drawn {
-    pub(super) area: Area,
-    /// Which of [`Walked::paints`].
-    pub(super) paints: Range<usize>,
-    /// More of the same.
-    pub(super) more: Vec<(Area, Range<usize>)>,
-}
-
-impl Drawn {
-    pub(super) fn places(&self) -> impl Iterator<Item = (Area, Range<usize>)> {
-        std::iter::once((self.area, self.paints.clone())).chain(self.more.iter().cloned())
-    }
-}
-
-/// Where something is filled, and the area that it is cut to.
-#[derive(Clone, Copy)]
-pub(super) struct Part {
-    raw: Area,
-    cut: Option<Area>,
-}
-
-/// What was painted so far: into the drawing, a clip path or a mask.
-#[derive(Default)]
-pub(super) struct Sink {
-    /// Everything.
-    pub(super) parts: Vec<Part>,
-    /// Inks with what they paint, in painting order.
-    pub(super) layers: Vec<(Rgb, Vec<Part>)>,
-    /// How it lets light through, if it is a mask.
-    pub(super) mask: Option<MaskType>,
-}
+use crate::scene::{Area, Layer, Limits, Picture, Scene};
+use crate::shape::{FillRule, Path, Shape, Transform};
 
 /// Walks a drawing.
 pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes) -> Result<Walked<'t>> {
@@ -147,6 +98,8 @@ struct Step<'t> {
     first_paint: usize,
     /// Whether a shape in it without an id of its own is its element.
     shape: bool,
+    /// The outline of the path in it, if `usvg` has a stand-in.
+    outline: Option<&'t Arc<Path>>,
     /// The clip path or mask of which this is the root.
     cutter: Option<(Cutter<'t>, Key)>,
 }
@@ -165,6 +118,7 @@ impl<'t> Step<'t> {
             first_part: 0,
             first_paint: 0,
             shape: false,
+            outline: None,
             cutter: None,
         }
     }
@@ -203,6 +157,7 @@ impl<'t> Walk<'t, '_, '_> {
             first_part: self.sink().parts.len(),
             first_paint: self.walked.paints.len(),
             shape: tag.is_some_and(|tag| tag.shape),
+            outline: tag.and_then(|tag| tag.outline.as_ref()),
             ..Step::new(group, transform, element)
         }
     }
@@ -250,8 +205,9 @@ impl<'t> Walk<'t, '_, '_> {
         }
         let element = if path.id().is_empty() && step.shape { step.element } else { element(path.id(), step.element) };
         let (first_part, first_paint) = (self.sink().parts.len(), self.walked.paints.len());
+        let outline = step.outline.map_or_else(|| Arc::new(outline(path)), Arc::clone);
         let name = if element.own { element.id.to_owned() } else { element.named() };
-        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline(path)) };
+        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline) };
         let fill = path.fill().map(|fill| {
             let rule = match fill.rule() {
                 usvg::FillRule::NonZero => FillRule::NonZero,
@@ -286,7 +242,7 @@ impl<'t> Walk<'t, '_, '_> {
         if opacity == 0.0 {
             return Ok(());
         }
-        let ink = self.ink(paint, element);
+        let ink = ink::of(paint, element, self.notes);
         if let Some(kind) = self.sink().mask {
             let opacity = opacity * step.opacity;
             let flat = kind == MaskType::Alpha || matches!(ink, [0, 0, 0] | [255, 255, 255]);
@@ -326,23 +282,6 @@ impl<'t> Walk<'t, '_, '_> {
         Ok(self.walked.scene.add_shape(shape))
     }
 
-    /// The flat colour of a paint, or what stands for it.
-    fn ink(&mut self, paint: &usvg::Paint, element: Element<'_>) -> Rgb {
-        let gradient = match paint {
-            usvg::Paint::Color(c) => return [c.red, c.green, c.blue],
-            usvg::Paint::Pattern(_) => {
-                self.notes.add(element, "patterns are not drawn yet: filled with #808080");
-                return PATTERN;
-            }
-            usvg::Paint::LinearGradient(g) => g.stops(),
-            usvg::Paint::RadialGradient(g) => g.stops(),
-        };
-        let ink = gradient.first().map_or(PATTERN, |s| [s.color().red, s.color().green, s.color().blue]);
-        let [r, g, b] = ink;
-        self.notes.add(element, format!("gradients are not drawn yet: filled with the first stop's #{r:02x}{g:02x}{b:02x}"));
-        ink
-    }
-
     /// What was painted since then is one area to what is around it, if it has an id, and an area of that name.
     fn name(&mut self, ids: [&'t str; 3], first_part: usize, first_paint: usize) {
         if ids == [""; 3] || self.sinks.len() > 1 {
@@ -375,72 +314,6 @@ impl<'t> Walk<'t, '_, '_> {
     }
 }
 
-/// Parts as one part. Cut last, if all are cut alike.
-fn joined(parts: &[Part], formula: &mut Formula) -> Part {
-    match parts {
-        [one] => *one,
-        [first, rest @ ..] if rest.iter().all(|p| p.cut == first.cut) => {
-            let raws: Vec<Area> = parts.iter().map(|p| p.raw).collect();
-            Part { raw: formula.any(&raws), cut: first.cut }
-        }
-        _ => {
-            let pieces: Vec<Area> = parts.chunk_by(|a, b| a.cut == b.cut).map(|alike| closed(alike, formula)).collect();
-            Part { raw: formula.any(&pieces), cut: None }
-        }
-    }
-}
-
-/// Parts as one area.
-pub(super) fn closed(parts: &[Part], formula: &mut Formula) -> Area {
-    let Part { raw, cut } = joined(parts, formula);
-    cut.map_or(raw, |cut| formula.all(&[raw, cut]))
-}
-
 fn element<'t>(id: &'t str, parent: Element<'t>) -> Element<'t> {
     if id.is_empty() { Element { own: false, ..parent } } else { Element { id, own: true } }
-}
-
-fn matrix(t: usvg::Transform) -> [f64; 6] {
-    [t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from)
-}
-
-/// The map that applies `inner` first, in SVG's order of the six numbers.
-pub(super) fn product(outer: [f64; 6], inner: [f64; 6]) -> [f64; 6] {
-    let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (outer, inner);
-    [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f]
-}
-
-fn stroke(line: &usvg::Stroke) -> Stroke {
-    Stroke {
-        width: f64::from(line.width().get()),
-        join: match line.linejoin() {
-            LineJoin::Miter => Join::Miter,
-            LineJoin::MiterClip => Join::MiterClip,
-            LineJoin::Round => Join::Round,
-            LineJoin::Bevel => Join::Bevel,
-        },
-        cap: match line.linecap() {
-            LineCap::Butt => Cap::Butt,
-            LineCap::Round => Cap::Round,
-            LineCap::Square => Cap::Square,
-        },
-        miter_limit: f64::from(line.miterlimit().get()),
-        dashes: line.dasharray().unwrap_or_default().iter().copied().map(f64::from).collect(),
-        dash_offset: f64::from(line.dashoffset()),
-    }
-}
-
-fn outline(path: &usvg::Path) -> Path {
-    let point = |p: usvg::tiny_skia_path::Point| -> Point { [f64::from(p.x), f64::from(p.y)] };
-    let mut outline = Path::default();
-    for segment in path.data().segments() {
-        match segment {
-            PathSegment::MoveTo(p) => outline.move_to(point(p)),
-            PathSegment::LineTo(p) => outline.line_to(point(p)),
-            PathSegment::QuadTo(c, p) => outline.quad_to(point(c), point(p)),
-            PathSegment::CubicTo(c, d, p) => outline.cubic_to(point(c), point(d), point(p)),
-            PathSegment::Close => outline.close(),
-        }
-    }
-    outline
 }
