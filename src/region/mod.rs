@@ -68,6 +68,15 @@ const FEW: usize = 256;
 /// Lines for which order is kept after it was given up in vain.
 const PATIENCE: u32 = 64;
 
+/// Lines one behind the other on which order has to cost too much before it is given up.
+const DOUBT: u32 = 2;
+
+/// About what an edge in order costs on a line, a crossing that is counted, and a place by which an edge is moved: in nanoseconds on the machine
+/// of docs/performance.md, where [`Tangle::cost`] was measured too.
+const STEP: usize = 3;
+const COUNT: usize = 8;
+const MOVE: usize = 2;
+
 /// No ink.
 const PAPER: u32 = u32::MAX;
 
@@ -77,14 +86,14 @@ pub struct Rows {
     picture: Arc<Picture>,
     sweep: Sweep<Side>,
     walk: Walk,
-    /// Made when it is needed.
-    tangle: Option<Tangle>,
+    /// Made when it is needed, if it can be.
+    tangle: Option<Option<Tangle>>,
     /// Whether the sweep keeps no order.
     loose: bool,
-    /// With so many edges giving up order may pay.
-    many: usize,
-    /// Lines until order is given up, counted down from 2 while it is lost; more while that is not tried.
+    /// Lines until order is given up, counted down from [`DOUBT`] while it costs too much; above that it is not tried.
     patience: u32,
+    /// Crossings counted on the last counted line in order.
+    toggles: usize,
     runs: Vec<Run>,
     cost: Cost,
 }
@@ -97,8 +106,8 @@ impl Rows {
             walk: Walk::new(&picture),
             tangle: None,
             loose: false,
-            many: FEW.max(picture.width as usize / 16),
-            patience: 2,
+            patience: DOUBT,
+            toggles: 0,
             runs: Vec::new(),
             cost: Cost::default(),
             picture,
@@ -114,13 +123,13 @@ impl Rows {
 
     fn next_ordered(&mut self) -> Option<(u32, u32)> {
         let Scanline { y, n, changed } = self.sweep.next(&self.picture.outlines.edges)?;
+        self.cost.repeated += u64::from(n - 1);
         if changed {
             let renumbered = self.sweep.is_renumbered();
             self.count(renumbered, y);
         }
-        self.cost.repeated += u64::from(n - 1);
         self.emit();
-        if self.tangled() {
+        if changed && self.tangled() {
             self.sweep.loosen();
             self.loose = true;
         }
@@ -131,7 +140,9 @@ impl Rows {
     fn next_loose(&mut self) -> Option<(u32, u32)> {
         let Loose { y, changed } = self.sweep.next_loose(&self.picture.outlines.edges)?;
         let (positions, sides) = (self.sweep.positions(), self.sweep.tags());
-        if let Some(tangle) = self.tangle.as_mut().filter(|_| changed && positions.len() >= self.many / 2) {
+        // With fewer edges even counting all of them in order is no dearer.
+        let pays = |tangle: &&mut Tangle| tangle.cost(positions.len()) <= (STEP + COUNT) * positions.len();
+        if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(|tangle| changed && pays(tangle)) {
             tangle.runs(&self.picture, positions, sides, &mut self.runs);
             self.cost.counted += 1;
             self.cost.tangled += 1;
@@ -147,27 +158,32 @@ impl Rows {
         Some((y, 1))
     }
 
-    /// Whether order is lost from line to line: most edges were moved on this one, and on the one above.
+    /// Whether order costs more than it saves: on this line, and on the one above.
     fn tangled(&mut self) -> bool {
-        let (edges, moved) = (self.sweep.list().len(), self.sweep.moved());
-        self.patience = if self.patience > 2 { self.patience - 1 } else if moved * 2 > edges && edges >= self.many { self.patience.saturating_sub(1) } else { 2 };
-        if self.patience > 0 {
+        let (edges, toggles, moved) = (self.sweep.list().len(), self.toggles, self.sweep.moved());
+        if self.patience > DOUBT {
+            self.patience -= 1;
             return false;
         }
-        if self.tangle.is_none() {
-            self.tangle = Tangle::new(&self.picture);
+        // Without a count on most of the line there is nothing to be saved.
+        if edges < FEW || toggles * 4 < edges {
+            self.patience = DOUBT;
+            return false;
         }
-        self.patience = PATIENCE;
-        self.tangle.is_some()
+        let tangle = self.tangle.get_or_insert_with(|| Tangle::new(&self.picture));
+        let Some(tangle) = tangle else { return false };
+        let ordered = STEP * edges + COUNT * toggles + MOVE * moved;
+        self.patience = if tangle.cost(edges) * 5 < ordered * 4 { self.patience.saturating_sub(1) } else { DOUBT };
+        self.patience == 0
     }
 
     fn count(&mut self, whole: bool, y: u32) {
-        let edges = self.sweep.list().len() as u64;
-        let toggles = if whole { self.walk.whole(&self.picture, &self.sweep) } else { self.walk.changes(&self.picture, &self.sweep, y) };
+        let edges = self.sweep.list().len();
+        self.toggles = if whole { self.walk.whole(&self.picture, &self.sweep) } else { self.walk.changes(&self.picture, &self.sweep, y) };
         self.cost.counted += 1;
-        self.cost.toggles += toggles;
-        self.cost.known += edges - toggles;
-        self.cost.peak_active = self.cost.peak_active.max(edges);
+        self.cost.toggles += self.toggles as u64;
+        self.cost.known += (edges - self.toggles) as u64;
+        self.cost.peak_active = self.cost.peak_active.max(edges as u64);
     }
 
     /// The runs of the row that was given last.

@@ -111,6 +111,13 @@ impl Tangle {
         })
     }
 
+    /// About what a scanline with so many edges costs, in the units of [`super::STEP`].
+    pub(super) fn cost(&self, edges: usize) -> usize {
+        let inputs: usize = self.gates.iter().map(|gate| gate.inputs.len()).sum();
+        let rows = 8 * self.flips.len() + 60 * self.windings.len() / 64;
+        4 * edges + rows + self.words * (6 + 6 * inputs)
+    }
+
     /// The runs of a scanline, from the positions and tags of its edges.
     pub(super) fn runs(&mut self, picture: &Picture, positions: &[u64], sides: &[Side], runs: &mut Vec<Run>) {
         for (&at, side) in positions.iter().zip(sides) {
