@@ -12,6 +12,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+#[allow(dead_code, reason = "the benches fill them")]
 #[path = "../benches/shapes/mod.rs"]
 mod shapes;
 
