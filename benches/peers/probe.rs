@@ -11,7 +11,9 @@ use super::peer::{self, Input, Peer};
 use super::shapes::{self, SIDE, Shapes};
 
 /// A peer that takes longer counts as not finishing.
-const SECONDS: f64 = 30.0;
+pub const SECONDS: f64 = 30.0;
+
+const TOO_LONG: &str = "takes more than 30 s";
 
 /// What making the shapes and comparing pictures may take besides.
 const BESIDES: f64 = 30.0;
@@ -37,8 +39,8 @@ impl Shapes {
     }
 }
 
-/// Tries a peer in a process of its own; `None` if it does not finish within the limits.
-pub fn probe(peer: &str, workload: &str, scale: u32) -> Result<Option<Probed>> {
+/// Tries a peer in a process of its own; an error that says at which limit it stopped, if it did.
+pub fn probe(peer: &str, workload: &str, scale: u32) -> Result<Result<Probed, &'static str>> {
     let program = std::env::current_exe()?;
     let mut child = Command::new("sh")
         .args(["-c", &format!("ulimit -v {MEMORY}; exec \"$0\" \"$@\"")])
@@ -51,17 +53,19 @@ pub fn probe(peer: &str, workload: &str, scale: u32) -> Result<Option<Probed>> {
     while child.try_wait()?.is_none() {
         if began.elapsed().as_secs_f64() > SECONDS + BESIDES {
             child.kill()?;
+            child.wait()?;
+            return Ok(Err(TOO_LONG));
         }
         std::thread::sleep(Duration::from_millis(20));
     }
     if !child.wait()?.success() {
-        return Ok(None);
+        return Ok(Err("stops at 4 GB"));
     }
     let mut said = String::new();
     child.stdout.take().context("it was piped")?.read_to_string(&mut said)?;
     let (seconds, differ) = said.trim().split_once(' ').context("a probe says two numbers")?;
     let probed = Probed { seconds: seconds.parse()?, differ: differ.parse()? };
-    Ok((probed.seconds <= SECONDS).then_some(probed))
+    Ok(if probed.seconds <= SECONDS { Ok(probed) } else { Err(TOO_LONG) })
 }
 
 /// What the process of a probe does.
