@@ -70,8 +70,6 @@ def run(command):
         raise Stopped(f"takes more than {SECONDS} s")
     if status != 0:
         raise Stopped("fails: " + (said.splitlines() or ["no message"])[-1])
-    if usage.ru_maxrss > KIB:
-        raise Stopped(f"takes {usage.ru_maxrss >> 10:,} MiB")
     return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss, taken
 
 
@@ -127,8 +125,9 @@ def table(title, commands, runs, against, compared, aims):
         ratios = ""
         if name.startswith("runset") and against in medians and against not in stopped:
             ratios = ", ".join(f"{theirs / ours:.1f}" for theirs, ours in zip(medians[against][:3], [wall, cpu, kib]))
+        past = " (past 4 GB)" if kib > KIB else ""
         pixels = differ(commands[first], command) if name in compared and name != first else ""
-        print(f"| {name} | {wall:.3f} | {cpu:.3f} | {kib / 1024:.1f} | {ratios} | {pixels} |", flush=True)
+        print(f"| {name} | {wall:.3f} | {cpu:.3f} | {kib / 1024:,.1f}{past} | {ratios} | {pixels} |", flush=True)
     if first in stopped or against in stopped or against not in medians:
         return print()
     times = [theirs / ours for theirs, ours in zip(medians[against], medians[first])]
@@ -171,9 +170,11 @@ def main():
         commands = {}
         if found["gs"]:
             device = ["-q", "-dNOPAUSE", "-dBATCH", "-dSAFER", "-sDEVICE=pbmraw", "-sOutputFile=-"]
-            commands["Ghostscript"] = [found["gs"], *device, f"-r{resolution}", file]
+            # By itself it paints every pixel that is touched; told to adjust by 0 px, those whose centre is inside.
+            commands["Ghostscript"] = [found["gs"], *device, f"-r{resolution}", "-c", "0 0 .setfilladjust2", "-f", file]
         if found["mutool"]:
-            commands["MuPDF"] = [found["mutool"], "draw", "-q", "-A", "0", "-B", "256", "-F", "pbm", "-o", "-", "-r", resolution, file]
+            # Level 9 is no anti-aliasing, and pixels whose centre is inside.
+            commands["MuPDF"] = [found["mutool"], "draw", "-q", "-A", "9", "-B", "256", "-F", "pbm", "-o", "-", "-r", resolution, file]
         return commands
 
     said = lambda *command: subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True).stdout.strip()
