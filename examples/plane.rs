@@ -35,7 +35,7 @@ fn main() -> Result<()> {
         eprintln!("{name}: {} vertices", shapes.vertices());
     }
     if names.is_empty() || !maps.is_empty() {
-        write(&folder.join("map.svg"), |out| map::write_svg(out))?;
+        write(&folder.join("map.svg"), map::write_svg)?;
     }
     Ok(())
 }
