@@ -130,6 +130,7 @@ def table(title, commands, runs, against, compared, aims):
         print(f"| {name} | {wall:.3f} | {cpu:.3f} | {kib / 1024:,.1f}{past} | {ratios} | {pixels} |", flush=True)
     if first in stopped or against in stopped or against not in medians:
         return print()
+    print()
     times = [theirs / ours for theirs, ours in zip(medians[against], medians[first])]
     for what, aim, measured in zip(["wall time", "CPU time", "memory"], aims, times):
         if aim:
