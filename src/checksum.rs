@@ -67,6 +67,24 @@ impl Checksum {
         self.runs += u64::from(lines.n) * lines.runs.len() as u64;
     }
 
+    /// Starts anew in the middle of a raster: what follows is to be put behind what another has seen, by [`Checksum::append`].
+    pub fn restart(&mut self) {
+        (self.register, self.lines, self.runs) = (0, 0, 0);
+    }
+
+    /// What was seen since [`Checksum::restart`]: register, lines, runs.
+    pub fn tally(&self) -> [u64; 3] {
+        [self.register.into(), self.lines.into(), self.runs]
+    }
+
+    /// Takes the tally of lines that another has seen, of the same raster, which follow those seen here.
+    pub fn append(&mut self, [register, lines, runs]: [u64; 3]) {
+        let lines = lines as u32;
+        self.register = times(self.register, power(self.row_shift, lines)) ^ register as u32;
+        self.lines += lines;
+        self.runs += runs;
+    }
+
     /// Number of lines seen.
     pub fn lines(&self) -> u32 {
         self.lines

@@ -11,6 +11,7 @@
 mod convert;
 mod info;
 mod pump;
+mod queue;
 mod render;
 mod size;
 mod stream;
