@@ -53,6 +53,7 @@ pub trait Encode: Send {
 /// About how many bytes of rows are a strip, where every row is bytes of its own.
 const STRIP_BYTES: usize = 1 << 18;
 
+mod deflate;
 mod part;
 mod records;
 mod rows;
