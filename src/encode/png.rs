@@ -47,6 +47,8 @@ enum Colour {
 struct Png {
     header: Header,
     colour: Colour,
+    /// Of the inks, for RGB.
+    blocks: Vec<rows::Block>,
     segment_rows: u32,
     /// Whether the segment has begun.
     open: bool,
@@ -74,6 +76,7 @@ impl Png {
         Png {
             header: header.clone(),
             colour,
+            blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
             segment_rows: rows::strip_lines(row_bytes),
             open: false,
             row: vec![0; row_bytes],
@@ -89,7 +92,7 @@ impl Png {
         match self.colour {
             Colour::Grey => rows::packed(&mut self.row, 1, runs, |_| 0),
             Colour::Palette { depth } => rows::packed(&mut self.row, depth, runs, |ink| ink as u8 + 1),
-            Colour::Rgb => rows::rgb(&mut self.row, runs, &self.header.inks),
+            Colour::Rgb => rows::rgb(&mut self.row, runs, &self.blocks),
         }
     }
 

@@ -36,11 +36,26 @@ fn fill_bits(row: &mut [u8], start: usize, end: usize, pattern: u8) {
     }
 }
 
+/// Sixteen equal pixels of three bytes, which are whole registers of any width.
+pub type Block = [u8; 48];
+
+/// The blocks of inks.
+pub fn blocks(inks: &[Rgb]) -> Vec<Block> {
+    let block = |ink: &Rgb| {
+        let mut block = [0; 48];
+        block.as_chunks_mut().0.fill(*ink);
+        block
+    };
+    inks.iter().map(block).collect()
+}
+
 /// Writes the pixels of `runs` into `row`, which is white, at three bytes a pixel.
-pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Rgb]) {
+pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Block]) {
     for run in runs {
-        let ink = inks[run.ink as usize];
-        row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut().0.fill(ink);
+        let block = &inks[run.ink as usize];
+        let (whole, rest) = row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut();
+        whole.iter_mut().for_each(|pixels| *pixels = *block);
+        rest.copy_from_slice(&block[..rest.len()]);
     }
 }
 
