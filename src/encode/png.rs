@@ -7,7 +7,7 @@
 //! IHDR pHYs PLTE | IDAT 78 5e | IDAT rows 0..k | IDAT rows k..2k | … | IDAT rows to the end, empty last block, Adler-32 | IEND
 //! ```
 //!
-//! `k` rows, about 256 KiB, are a segment: those from one multiple of `k` on the page to the next. Its first row is not filtered (type
+//! `k` rows, some 256 KiB, are a segment: those from one multiple of `k` on the page to the next. Its first row is not filtered (type
 //! 0), all others are differences to the row above (type 2, Up). It is one block of deflate that refers to nothing before it
 //! ([`super::deflate`]) and one chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, threads
 //! write different ones, a segment of equal rows is compressed once, and the checksum is combined from those of the segments.
@@ -23,7 +23,7 @@
 use std::ops::Range;
 
 use super::deflate::{self, Block};
-use super::{Encode, Format, Part, Strip, rows};
+use super::{Encode, Format, Part, STRIP_BYTES, Strip, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run};
 
 /// The format.
@@ -35,6 +35,11 @@ pub const FORMAT: Format = Format {
     binary: true,
     encoder: |header| Box::new(Png::new(header)),
 };
+
+/// Rows of a segment: about 256 KiB of them, but 16, if that is at most 1 MiB, so that few are not filtered.
+fn segment_rows(row_bytes: usize) -> u32 {
+    rows::lines_of(STRIP_BYTES, row_bytes).max(rows::lines_of(1 << 20, row_bytes).min(16))
+}
 
 /// What the pixels of a row are.
 #[derive(Clone, Copy, PartialEq)]
@@ -77,7 +82,7 @@ impl Png {
             header: header.clone(),
             colour,
             blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
-            segment_rows: rows::strip_lines(row_bytes),
+            segment_rows: segment_rows(row_bytes),
             open: false,
             row: vec![0; row_bytes],
             above: vec![0; row_bytes],

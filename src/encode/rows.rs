@@ -90,7 +90,7 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     fn end(&mut self, _out: &mut Vec<u8>) {}
 
     fn strip_lines(&self) -> u32 {
-        strip_lines(self.row_bytes)
+        lines_of(STRIP_BYTES, self.row_bytes)
     }
 
     fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {
@@ -101,9 +101,9 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     fn join(&mut self, _part: &Part, _out: &mut Vec<u8>) {}
 }
 
-/// The power of two of rows of so many bytes that is closest to [`STRIP_BYTES`] from below, at least 1.
-pub fn strip_lines(row_bytes: usize) -> u32 {
-    1 << (STRIP_BYTES / row_bytes.max(1)).max(1).ilog2()
+/// How many rows of `row_bytes` bytes are about `bytes` bytes: a power of two.
+pub fn lines_of(bytes: usize, row_bytes: usize) -> u32 {
+    1 << (bytes / row_bytes.max(1)).max(1).ilog2()
 }
 
 #[cfg(test)]
