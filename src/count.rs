@@ -46,6 +46,7 @@ pub type Node = u32;
 #[derive(Clone, Debug, Default)]
 pub struct Program {
     rules: Vec<Rule>,
+    leaves: usize,
     /// (child, parent, weight) while it is built; sorted by child, with `first`, once it is finished.
     links: Vec<(Node, Node, i32)>,
     first: Vec<u32>,
@@ -56,7 +57,14 @@ pub struct Program {
 const NO_OUTPUT: u32 = u32::MAX;
 
 impl Program {
-    /// Adds a node fed by `inputs` (child and weight), all of which must have been added before. A node without inputs is a leaf.
+    /// Adds a leaf. All leaves stand before all other nodes.
+    pub fn leaf(&mut self, rule: Rule) -> Node {
+        assert_eq!(self.leaves, self.rules.len(), "leaves first");
+        self.leaves += 1;
+        self.add(rule, [])
+    }
+
+    /// Adds a node fed by `inputs` (child and weight), all of which must have been added before.
     /// A child named several times counts with the sum of its weights.
     pub fn add(&mut self, rule: Rule, inputs: impl IntoIterator<Item = (Node, i32)>) -> Node {
         let node = Node::try_from(self.rules.len()).expect("nodes are limited at the door");
@@ -98,6 +106,11 @@ impl Program {
     /// Whether every child stands before its parents.
     pub fn check(&self) -> bool {
         self.links.iter().all(|&(child, parent, _)| child < parent) && self.first.len() == self.rules.len() + 1
+    }
+
+    /// Number of leaves: the nodes that were added before the first that is fed.
+    pub fn leaves(&self) -> usize {
+        self.leaves
     }
 
     /// Number of nodes, leaves among them.
@@ -263,7 +276,11 @@ mod tests {
                 } else {
                     (0..1 + random(5)).map(|_| (random(node as u64) as Node, if random(3) == 0 { -1 } else { 1 })).collect()
                 };
-                program.add(rule, fed.iter().copied());
+                if node < leaves {
+                    program.leaf(rule)
+                } else {
+                    program.add(rule, fed.iter().copied())
+                };
                 rules.push(rule);
                 inputs.push(fed);
             }

@@ -7,6 +7,7 @@
 //! Where order is lost from line to line the rows are made without it ([`tangle`]). That is measured as the sweep goes, on the lines themselves, so that it
 //! depends on nothing but the picture and the first line.
 
+mod state;
 mod tangle;
 mod walk;
 
@@ -71,11 +72,14 @@ const PATIENCE: u32 = 64;
 /// Lines one behind the other on which order has to cost too much before it is given up.
 const DOUBT: u32 = 2;
 
-/// About what an edge in order costs on a line, a crossing that is counted, and a place by which an edge is moved: in nanoseconds on the machine
-/// of docs/performance.md, where [`Tangle::cost`] was measured too.
+/// Lines that are counted whole, before it is tried again to count what changed.
+const BUSY: u32 = 7;
+
+/// About what an edge in order costs on a line, a crossing where a list changed, and a place by which an edge is moved: in nanoseconds on the machine
+/// of docs/performance.md, where [`Tangle::cost`] and [`Walk::crossing`] were measured too.
 const STEP: usize = 3;
-const COUNT: usize = 8;
-const MOVE: usize = 2;
+const CHANGE: usize = 20;
+const MOVE: usize = 10;
 
 /// No ink.
 const PAPER: u32 = u32::MAX;
@@ -92,8 +96,10 @@ pub struct Rows {
     loose: bool,
     /// Lines until order is given up, counted down from [`DOUBT`] while it costs too much; above that it is not tried.
     patience: u32,
-    /// Crossings counted on the last counted line in order.
-    toggles: usize,
+    /// What counting has cost on the last line in order that was counted.
+    counting: usize,
+    /// So many more lines are counted whole, because so much of one above had changed.
+    busy: u32,
     runs: Vec<Run>,
     cost: Cost,
 }
@@ -107,7 +113,8 @@ impl Rows {
             tangle: None,
             loose: false,
             patience: DOUBT,
-            toggles: 0,
+            counting: 0,
+            busy: 0,
             runs: Vec::new(),
             cost: Cost::default(),
             picture,
@@ -126,7 +133,7 @@ impl Rows {
         self.cost.repeated += u64::from(n - 1);
         if changed {
             let renumbered = self.sweep.is_renumbered();
-            self.count(renumbered, y);
+            self.count(renumbered);
         }
         self.emit();
         if changed && self.tangled() {
@@ -141,7 +148,7 @@ impl Rows {
         let Loose { y, changed } = self.sweep.next_loose(&self.picture.outlines.edges)?;
         let (positions, sides) = (self.sweep.positions(), self.sweep.tags());
         // With fewer edges even counting all of them in order is no dearer.
-        let pays = |tangle: &&mut Tangle| tangle.cost(positions.len()) <= (STEP + COUNT) * positions.len();
+        let pays = |tangle: &&mut Tangle| tangle.cost(positions.len()) <= (STEP + MOVE + self.walk.crossing()) * positions.len();
         if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(|tangle| changed && pays(tangle)) {
             tangle.runs(&self.picture, positions, sides, &mut self.runs);
             self.cost.counted += 1;
@@ -152,7 +159,7 @@ impl Rows {
             self.sweep.tighten();
             self.loose = false;
             self.patience = PATIENCE;
-            self.count(true, y);
+            self.count(true);
             self.emit();
         }
         Some((y, 1))
@@ -160,29 +167,41 @@ impl Rows {
 
     /// Whether order costs more than it saves: on this line, and on the one above.
     fn tangled(&mut self) -> bool {
-        let (edges, toggles, moved) = (self.sweep.list().len(), self.toggles, self.sweep.moved());
+        let (edges, moved) = (self.sweep.list().len(), self.sweep.moved());
         if self.patience > DOUBT {
             self.patience -= 1;
             return false;
         }
-        // Without a count on most of the line there is nothing to be saved.
-        if edges < FEW || toggles * 4 < edges {
+        // As long as little is out of order there is nothing to be saved.
+        if edges < FEW || moved * 8 < edges {
             self.patience = DOUBT;
             return false;
         }
         let tangle = self.tangle.get_or_insert_with(|| Tangle::new(&self.picture));
         let Some(tangle) = tangle else { return false };
-        let ordered = STEP * edges + COUNT * toggles + MOVE * moved;
+        let ordered = STEP * edges + self.counting + MOVE * moved;
         self.patience = if tangle.cost(edges) * 5 < ordered * 4 { self.patience.saturating_sub(1) } else { DOUBT };
         self.patience == 0
     }
 
-    fn count(&mut self, whole: bool, y: u32) {
+    fn count(&mut self, whole: bool) {
         let edges = self.sweep.list().len();
-        self.toggles = if whole { self.walk.whole(&self.picture, &self.sweep) } else { self.walk.changes(&self.picture, &self.sweep, y) };
+        let all = self.walk.crossing() * edges;
+        let toggles = if whole || self.busy > 0 {
+            self.busy = self.busy.saturating_sub(1);
+            self.counting = all;
+            self.walk.whole(&self.picture, &self.sweep)
+        } else {
+            let toggles = self.walk.changes(&self.picture, &self.sweep);
+            self.counting = CHANGE * toggles;
+            if self.counting > all {
+                self.busy = BUSY;
+            }
+            toggles
+        };
         self.cost.counted += 1;
-        self.cost.toggles += self.toggles as u64;
-        self.cost.known += (edges - self.toggles) as u64;
+        self.cost.toggles += toggles as u64;
+        self.cost.known += (edges - toggles) as u64;
         self.cost.peak_active = self.cost.peak_active.max(edges as u64);
     }
 

@@ -138,7 +138,13 @@ impl Tangle {
                 self.truth[node] = match self.rows[node] {
                     Row::Flips(row) => inside.flipped(std::mem::take(&mut self.flips[row + word])),
                     Row::Windings(row) => inside.wound(&mut self.windings[row + word * 64..][..64]),
-                    Row::None => if rule.holds(0) { u64::MAX } else { 0 },
+                    Row::None => {
+                        if rule.holds(0) {
+                            u64::MAX
+                        } else {
+                            0
+                        }
+                    }
                 };
             }
             for gate in &self.gates {

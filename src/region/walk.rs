@@ -22,19 +22,18 @@
 //! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped each shape has the winding that it had behind its last edge
 //! there, so a few edges are looked at, from the stretch's end, where shapes are few.
 
-use crate::bits::BitSet;
-use crate::count::Counters;
 use crate::edge::Side;
 use crate::sweep::{Entry, Sweep};
 
-use super::{PAPER, Picture};
+use super::Picture;
+use super::state::State;
 
 /// A place where the visible ink changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Boundary {
     /// Index into the active list of the first of the edges in its column; [`LEFT_SIDE`] for what holds before any.
     pub(super) edge: u32,
-    /// The ink from there on, or [`PAPER`].
+    /// The ink from there on, or [`super::PAPER`].
     pub(super) ink: u32,
 }
 
@@ -43,8 +42,7 @@ pub(super) const LEFT_SIDE: u32 = u32::MAX;
 /// What is known of the line that was counted last.
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
-    counters: Counters,
-    layers: BitSet,
+    state: State,
     list: Vec<Entry>,
     boundaries: Vec<Boundary>,
     /// The boundaries before the last count.
@@ -55,12 +53,9 @@ pub(super) struct Walk {
 
 impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
-        let counters = Counters::new(&picture.program);
-        let mut layers = BitSet::new(picture.inks.len());
-        (0..picture.inks.len()).filter(|&i| counters.output(&picture.program, i)).for_each(|i| layers.insert(i));
-        let difference = Difference { windings: vec![0; picture.program.nodes()], unequal: 0 };
-        let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.nodes()], stretch: 0 };
-        Walk { counters, layers, list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
+        let difference = Difference { windings: vec![0; picture.program.leaves()], unequal: 0 };
+        let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.leaves()], stretch: 0 };
+        Walk { state: State::new(picture), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
     }
 
     /// Where the visible ink changes on the line that was counted last.
@@ -68,13 +63,17 @@ impl Walk {
         &self.boundaries
     }
 
+    /// About what a crossing costs where the whole list is counted, in the units of [`super::STEP`].
+    pub(super) fn crossing(&self) -> usize {
+        if let State::Table(_) = self.state { 3 } else { 8 }
+    }
+
     /// Counts the whole list. Gives the number of crossings counted.
     pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let new = sweep.list();
         self.boundaries.clear();
         self.windings.behind.resize(sweep.tags().len(), 0);
-        let mut line =
-            Line::new(picture, sweep.tags(), new, &mut self.counters, &mut self.layers, &mut self.boundaries, &mut self.windings);
+        let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries, &mut self.windings);
         let mut i = 0;
         while i < new.len() {
             i = line.group(i);
@@ -83,14 +82,14 @@ impl Walk {
         sweep.list().len()
     }
 
-    /// Counts what differs from the line that was counted last, the one above `y` with the edges that have entered and left since. Gives the number of crossings counted.
-    pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>, y: u32) -> usize {
+    /// Counts what differs from the line that was counted last. Gives the number of crossings counted.
+    pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let (new, old, sides) = (sweep.list(), &self.list, sweep.tags());
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
         std::mem::swap(&mut self.boundaries, &mut self.before);
         self.boundaries.clear();
         self.windings.behind.resize(sides.len(), 0);
-        let mut line = Line::new(picture, sides, new, &mut self.counters, &mut self.layers, &mut self.boundaries, &mut self.windings);
+        let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries, &mut self.windings);
         let difference = &mut self.difference;
         let mut counted = 0;
         // The boundary at the left side stands already.
@@ -122,7 +121,7 @@ impl Walk {
                 let end = if i < new.len() { line.group(i) } else { i };
                 for entry in &new[i..end] {
                     difference.add(sides[entry.slot()], 1);
-                    if sweep.has_entered(entry.slot(), y) {
+                    if entry.has_entered() {
                         continue;
                     }
                     while old.get(j).is_some_and(|entry| sweep.has_ended(entry.slot())) {
@@ -155,13 +154,12 @@ impl Walk {
 
     /// Takes the counters back to the left side, and keeps the list.
     fn finish(&mut self, picture: &Picture, sweep: &Sweep<Side>) {
-        let layers = &mut self.layers;
         if picture.outlines.open {
-            sweep.list().iter().for_each(|entry| self.counters.set(sweep.tags()[entry.slot()].leaf, 0));
+            sweep.list().iter().for_each(|entry| self.state.set(sweep.tags()[entry.slot()].leaf, 0));
         }
-        self.counters.settle(&picture.program, |layer, holds| layers.set(layer as usize, holds));
+        self.state.settle(&picture.program);
         self.list.clear();
-        self.list.extend_from_slice(sweep.list());
+        self.list.extend(sweep.list().iter().map(|entry| entry.stays()));
     }
 }
 
@@ -170,8 +168,7 @@ struct Line<'a> {
     picture: &'a Picture,
     sides: &'a [Side],
     list: &'a [Entry],
-    counters: &'a mut Counters,
-    layers: &'a mut BitSet,
+    state: &'a mut State,
     boundaries: &'a mut Vec<Boundary>,
     windings: &'a mut Windings,
     /// What is visible here.
@@ -179,19 +176,18 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// A line at its left side, where the counters are at rest.
+    /// A line at its left side, where the state is at rest.
     fn new(
         picture: &'a Picture,
         sides: &'a [Side],
         list: &'a [Entry],
-        counters: &'a mut Counters,
-        layers: &'a mut BitSet,
+        state: &'a mut State,
         boundaries: &'a mut Vec<Boundary>,
         windings: &'a mut Windings,
     ) -> Line<'a> {
-        let ink = visible(picture, layers);
+        let ink = state.ink(&picture.inks);
         boundaries.push(Boundary { edge: LEFT_SIDE, ink });
-        Line { picture, sides, list, counters, layers, boundaries, windings, ink }
+        Line { picture, sides, list, state, boundaries, windings, ink }
     }
 
     fn boundary(&mut self, edge: usize, ink: u32) {
@@ -216,59 +212,33 @@ impl<'a> Line<'a> {
         for entry in self.list[edges].iter().rev() {
             let leaf = self.sides[entry.slot()].leaf;
             if std::mem::replace(&mut seen[leaf as usize], *stretch) != *stretch {
-                self.counters.set(leaf, behind[entry.slot()]);
+                self.state.set(leaf, behind[entry.slot()]);
                 unseen -= 1;
                 if unseen == 0 {
                     break;
                 }
             }
         }
-        let layers = &mut *self.layers;
-        self.counters.settle(&self.picture.program, |layer, holds| layers.set(layer as usize, holds));
-        debug_assert_eq!(self.ink, visible(self.picture, self.layers), "the boundaries that were known are right");
+        self.state.settle(&self.picture.program);
+        debug_assert_eq!(self.ink, self.state.ink(&self.picture.inks), "the boundaries that were known are right");
     }
 
     /// Counts the group that begins at an index, and gives the index behind it.
     #[inline]
     fn group(&mut self, edge: usize) -> usize {
-        let (layers, program) = (&mut *self.layers, &self.picture.program);
-        let mut flipped = false;
-        let flip = |layer: u32, holds| {
-            layers.set(layer as usize, holds);
-            flipped = true;
-        };
-        let slot = self.list[edge].slot();
-        let side = self.sides[slot];
-        let mut next = edge + 1;
-        if self.list.get(next).is_some_and(|entry| entry.is_tied()) {
-            self.windings.behind[slot] = self.counters.add(side.leaf, side.winding);
-            while let Some(entry) = self.list.get(next).filter(|entry| entry.is_tied()) {
-                let side = self.sides[entry.slot()];
-                self.windings.behind[entry.slot()] = self.counters.add(side.leaf, side.winding);
-                next += 1;
-            }
-            self.counters.settle(program, flip);
-        } else {
-            self.windings.behind[slot] = self.counters.cross(program, side.leaf, side.winding, flip);
-        }
-        if flipped {
-            let ink = visible(self.picture, self.layers);
-            if ink != self.ink {
-                self.boundary(edge, ink);
-            }
+        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, &mut self.windings.behind);
+        if ink != self.ink {
+            self.boundary(edge, ink);
         }
         next
     }
 }
 
-fn visible(picture: &Picture, layers: &BitSet) -> u32 {
-    layers.last().map_or(PAPER, |layer| picture.inks[layer])
-}
-
 /// How long two lists are equal.
 fn equal(a: &[Entry], b: &[Entry]) -> usize {
     const BLOCK: usize = 16;
-    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(|(a, b)| a == b).count();
+    let same = |(a, b): &(&[Entry], &[Entry])| a.iter().zip(*b).fold(true, |same, (a, b)| same & (a == b));
+    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(same).count();
     let start = blocks * BLOCK;
     start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a == b).count()
 }
@@ -295,9 +265,14 @@ impl Difference {
     #[inline]
     fn add(&mut self, side: Side, sign: i32) {
         let winding = &mut self.windings[side.leaf as usize];
-        self.unequal -= usize::from(*winding != 0);
+        let before = *winding;
         *winding += sign * side.winding;
-        self.unequal += usize::from(*winding != 0);
+        match (before, *winding) {
+            (0, 0) => {}
+            (0, _) => self.unequal += 1,
+            (_, 0) => self.unequal -= 1,
+            _ => {}
+        }
     }
 
     /// All 0 again, after lists that do not come back to 0 at their ends.

@@ -13,9 +13,38 @@ pub fn compile(
     everywhere: impl Fn(&Shape) -> bool,
 ) -> (Program, Vec<(usize, Node)>) {
     const UNSEEN: Node = Node::MAX;
-    let mut node_of = vec![UNSEEN; formula.gates().len()];
-    let mut leaf_of = vec![UNSEEN; shapes.len()];
     let mut program = Program::default();
+
+    // Leaves first, in the order of the document.
+    let mut leaf_of = vec![UNSEEN; shapes.len()];
+    let mut reached = vec![false; formula.gates().len()];
+    let mut open = outputs.to_vec();
+    while let Some(area) = open.pop() {
+        if !std::mem::replace(&mut reached[area.index()], true)
+            && let Gate::AtLeast(_, inputs) | Gate::Odd(inputs) = &formula.gates()[area.index()]
+        {
+            open.extend(inputs.iter().map(|input| input.area));
+        }
+    }
+    let mut node_of = vec![UNSEEN; formula.gates().len()];
+    let mut needed: Vec<(u32, usize)> = Vec::new();
+    for (i, gate) in formula.gates().iter().enumerate().filter(|&(i, _)| reached[i]) {
+        if let Gate::Shape(shape) = gate {
+            needed.push((*shape, i));
+        }
+    }
+    needed.sort_unstable();
+    for (index, i) in needed {
+        let (shape, leaf) = (&shapes[index as usize], &mut leaf_of[index as usize]);
+        if *leaf == UNSEEN {
+            *leaf = program.leaf(match shape.rule {
+                _ if everywhere(shape) => Rule::AtLeast(0),
+                FillRule::NonZero => Rule::NonZero,
+                FillRule::EvenOdd => Rule::Odd,
+            });
+        }
+        node_of[i] = *leaf;
+    }
 
     // Depth first without recursion: an area stays on the stack until its inputs have nodes.
     let mut stack: Vec<Area> = outputs.iter().rev().copied().collect();
@@ -27,20 +56,7 @@ pub fn compile(
             continue;
         }
         let (rule, inputs) = match &formula.gates()[i] {
-            Gate::Shape(shape) => {
-                let leaf = &mut leaf_of[*shape as usize];
-                if *leaf == UNSEEN {
-                    let shape = &shapes[*shape as usize];
-                    let rule = match shape.rule {
-                        _ if everywhere(shape) => Rule::AtLeast(0),
-                        FillRule::NonZero => Rule::NonZero,
-                        FillRule::EvenOdd => Rule::Odd,
-                    };
-                    *leaf = program.add(rule, []);
-                }
-                node_of[i] = *leaf;
-                continue;
-            }
+            Gate::Shape(_) => unreachable!("all shapes that are reached have leaves"),
             Gate::AtLeast(k, inputs) => (Rule::AtLeast(*k), inputs),
             Gate::Odd(inputs) => (Rule::Odd, inputs),
         };

@@ -50,17 +50,34 @@ pub struct Entry(u32);
 /// Set where an entry is in the column of the one before.
 const TIED: u32 = 1 << 31;
 
+/// Set where an entry was not in the list on the scanline above.
+const ENTERED: u32 = 1 << 30;
+
+const MARKS: u32 = TIED | ENTERED;
+
 impl Entry {
     /// The slot of the edge: the same for as long as its chain is active.
     #[inline]
     pub fn slot(self) -> usize {
-        (self.0 & !TIED) as usize
+        (self.0 & !MARKS) as usize
     }
 
     /// Whether it is in the column of the entry before.
     #[inline]
     pub fn is_tied(self) -> bool {
         self.0 & TIED != 0
+    }
+
+    /// Whether the chain entered on this scanline.
+    #[inline]
+    pub fn has_entered(self) -> bool {
+        self.0 & ENTERED != 0
+    }
+
+    /// The same entry on the next scanline, if nothing happens to it.
+    #[inline]
+    pub fn stays(self) -> Entry {
+        Entry(self.0 & !ENTERED)
     }
 }
 
@@ -77,6 +94,8 @@ pub struct Sweep<T> {
     columns: Vec<u32>,
     /// By how many places edges were moved on this scanline.
     moved: usize,
+    /// Whether entries of this scanline are marked as entered.
+    entered: bool,
     started: bool,
     /// Whether slots were given new numbers on this scanline.
     renumbered: bool,
@@ -98,6 +117,7 @@ impl<T: Copy> Sweep<T> {
             list: Vec::new(),
             columns: Vec::new(),
             moved: 0,
+            entered: false,
             started: false,
             renumbered: false,
         }
@@ -118,14 +138,10 @@ impl<T: Copy> Sweep<T> {
         &self.slots.tags
     }
 
-    /// Whether the chain in a slot entered on this scanline.
-    pub fn has_entered(&self, slot: usize, y: u32) -> bool {
-        self.slots.actives[slot].since == y
-    }
-
     /// Whether the chain in a slot, which was active on the scanline above, has ended.
+    #[inline]
     pub fn has_ended(&self, slot: usize) -> bool {
-        self.slots.actives[slot].ended
+        self.slots.until[slot] == u32::MAX
     }
 
     /// Whether slots have other numbers than on the scanline above; so it is on the first.
@@ -180,6 +196,9 @@ impl<T: Copy> Sweep<T> {
 
     /// From the scanline before to `y`. True if anything but columns changed.
     fn advance(&mut self, edges: &Edges<T>, y: u32) -> bool {
+        if std::mem::take(&mut self.entered) {
+            self.list.iter_mut().for_each(|entry| *entry = entry.stays());
+        }
         let moved = self.slots.step();
         let replaced = self.slots.replace(edges, y);
         let left = !self.slots.ended.is_empty();
@@ -205,7 +224,7 @@ impl<T: Copy> Sweep<T> {
         if self.slots.ended.len() * HALVING > self.list.len() {
             let mut kept = 0;
             for i in 0..self.list.len() {
-                let ended = self.slots.actives[self.list[i].slot()].ended;
+                let ended = self.has_ended(self.list[i].slot());
                 (self.list[kept], self.columns[kept]) = (self.list[i], self.columns[i]);
                 kept += usize::from(!ended);
             }
@@ -286,22 +305,24 @@ impl<T: Copy> Sweep<T> {
         if entering.is_empty() {
             return false;
         }
+        self.entered = true;
         self.entry += entering.len();
         let mut old = self.list.len();
         self.list.resize(old + entering.len(), Entry(0));
         self.columns.resize(old + entering.len(), 0);
         for (i, chain) in entering.iter().enumerate().rev() {
             let slot = self.slots.occupy(edges, chain, y);
+            let column = chain.edge.line.column();
             // Many that enter are found by passing all, few by halving.
             let place = if entering.len() * HALVING > self.list.len() {
-                self.columns[..old].iter().rposition(|&other| other <= chain.column).map_or(0, |place| place + 1)
+                self.columns[..old].iter().rposition(|&other| other <= column).map_or(0, |place| place + 1)
             } else {
-                self.columns[..old].partition_point(|&other| other <= chain.column)
+                self.columns[..old].partition_point(|&other| other <= column)
             };
             self.list.copy_within(place..old, place + i + 1);
             self.columns.copy_within(place..old, place + i + 1);
             old = place;
-            (self.list[place + i], self.columns[place + i]) = (Entry(slot), chain.column);
+            (self.list[place + i], self.columns[place + i]) = (Entry(slot | ENTERED), column);
         }
         true
     }
@@ -326,7 +347,7 @@ impl<T: Copy> Sweep<T> {
     fn renumber(&mut self) {
         self.renumbered = true;
         self.slots.renumber(&self.list.iter().map(|entry| entry.slot()).collect::<Vec<_>>());
-        self.list.iter_mut().zip(0..).for_each(|(entry, slot)| entry.0 = entry.0 & TIED | slot);
+        self.list.iter_mut().zip(0..).for_each(|(entry, slot)| entry.0 = entry.0 & MARKS | slot);
     }
 
     /// By how many places edges were moved in the list on this scanline to restore its order.
@@ -339,6 +360,7 @@ impl<T: Copy> Sweep<T> {
         self.renumber();
         self.list.clear();
         self.columns.clear();
+        self.entered = false;
     }
 
     /// Goes to the next scanline without order. `None` behind the last.

@@ -34,21 +34,36 @@ pub struct Edge {
     pub line: Line,
 }
 
-/// Edges that follow each other downwards.
+impl Edge {
+    /// The edge, so many scanlines further down.
+    fn down(self, rows: u32) -> Edge {
+        if rows == 0 { self } else { Edge { line: self.line.down(rows), ..self } }
+    }
+}
+
+/// Edges that follow each other downwards. The first stands here, so that a chain of one, and any chain that enters, is at hand.
 #[derive(Clone, Copy, Debug)]
 struct Chain<T> {
     first: u32,
-    /// The column of its first edge on its first scanline.
-    column: u32,
     last: u32,
+    edge: Edge,
+    /// The others, among all.
     start: u32,
     end: u32,
     tag: T,
 }
 
+impl<T> Chain<T> {
+    /// What chains are sorted by: first scanline, then column.
+    fn key(&self) -> u64 {
+        u64::from(self.first) << 32 | u64::from(self.edge.line.column())
+    }
+}
+
 /// All chains of a drawing, in the order in which a sweep meets them; shared by all sweeps over it.
 #[derive(Clone, Debug)]
 pub struct Edges<T> {
+    /// Those that are not the first of their chains.
     edges: Vec<Edge>,
     chains: Vec<Chain<T>>,
     /// For every `BLOCK` chains, the scanline behind the last of any: finds who is active at a given scanline.
@@ -67,14 +82,14 @@ impl<T: Copy> Edges<T> {
     /// Adds a chain that begins at scanline `first`. Each edge ends below the one before; an empty chain is nothing.
     pub fn add(&mut self, first: u32, edges: impl IntoIterator<Item = Edge>, tag: T) {
         let index = |v: usize| u32::try_from(v).expect("edges are limited at the door");
+        let mut edges = edges.into_iter();
+        let Some(edge) = edges.next() else { return };
         let start = index(self.edges.len());
         self.edges.extend(edges);
         let end = index(self.edges.len());
-        if start < end {
-            let (column, last) = (self.edges[start as usize].line.column(), self.edges[end as usize - 1].last);
-            self.chains.push(Chain { first, column, last, start, end, tag });
-            debug_assert!(self.check_chain(self.chains.len() - 1));
-        }
+        let last = self.edges[start as usize..].last().unwrap_or(&edge).last;
+        self.chains.push(Chain { first, last, edge, start, end, tag });
+        debug_assert!(self.check_chain(self.chains.len() - 1));
     }
 
     /// Puts the chains of others behind these; neither are sorted yet.
@@ -96,17 +111,18 @@ impl<T: Copy> Edges<T> {
 
     /// Number of edges stored.
     pub fn len(&self) -> usize {
-        self.edges.len()
+        self.edges.len() + self.chains.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.edges.is_empty()
+        self.chains.is_empty()
     }
 
     fn check_chain(&self, chain: usize) -> bool {
         let chain = &self.chains[chain];
         let lasts = self.edges[chain.start as usize..chain.end as usize].iter().map(|edge| edge.last);
+        let lasts = std::iter::once(chain.edge.last).chain(lasts);
         std::iter::once(chain.first).chain(lasts.clone()).zip(lasts).all(|(before, last)| before < last)
     }
 
@@ -133,16 +149,16 @@ impl<T: Copy> Edges<T> {
         blocks.flat_map(|(block, _)| block).filter(move |chain| chain.last > row)
     }
 
-    /// The edge of a chain that is active on a scanline, and its line there.
+    /// The edge of a chain that is active on a scanline, at that scanline, and the index of the one behind it.
     #[inline]
-    fn edge_at(&self, chain: &Chain<T>, row: u32) -> (u32, Line) {
-        if row == chain.first {
-            return (chain.start, self.edges[chain.start as usize].line);
-        }
+    fn edge_at(&self, chain: &Chain<T>, row: u32) -> (Edge, u32) {
         let (start, end) = (chain.start as usize, chain.end as usize);
-        let edge = start + self.edges[start..end].partition_point(|edge| edge.last <= row);
-        let first = if edge == start { chain.first } else { self.edges[edge - 1].last };
-        (edge as u32, self.edges[edge].line.down(row - first))
+        if row < chain.edge.last {
+            return (chain.edge.down(row - chain.first), chain.start);
+        }
+        let next = start + self.edges[start..end].partition_point(|edge| edge.last <= row);
+        let first = if next == start { chain.edge.last } else { self.edges[next - 1].last };
+        (self.edges[next].down(row - first), next as u32 + 1)
     }
 }
 
@@ -165,7 +181,7 @@ fn sorted<T: Copy>(chains: Vec<Chain<T>>) -> Vec<Chain<T>> {
         *place += 1;
     }
     for pair in starts.windows(2) {
-        sorted[pair[0]..pair[1]].sort_unstable_by_key(|chain| (u64::from(chain.first) << 32) | u64::from(chain.column));
+        sorted[pair[0]..pair[1]].sort_unstable_by_key(Chain::key);
     }
     sorted
 }

@@ -9,14 +9,11 @@ use crate::line;
 /// What is rarely looked at of an active chain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Active {
-    /// Index of its edge, and behind the last of its chain.
-    edge: u32,
+    /// Index of the edge behind its edge, and behind the last of its chain.
+    next: u32,
     end: u32,
-    /// The scanline on which the chain became active, and that on which its edge did.
-    pub(super) since: u32,
-    pub(super) renewed: u32,
-    /// Whether it has ended.
-    pub(super) ended: bool,
+    /// The scanline on which its edge became active.
+    renewed: u32,
 }
 
 /// The slots of a sweep.
@@ -25,7 +22,7 @@ pub(super) struct Slots<T> {
     /// Positions and steps of [`line::Line::parts`]; a free slot has step 0.
     pub(super) at: Vec<u64>,
     pub(super) steps: Vec<u64>,
-    /// The scanline behind the last of the edge; `u32::MAX` if the slot is free.
+    /// The scanline behind the last of the edge; `u32::MAX` if the chain has ended or the slot is free.
     pub(super) until: Vec<u32>,
     pub(super) actives: Vec<Active>,
     pub(super) tags: Vec<T>,
@@ -91,16 +88,15 @@ impl<T: Copy> Slots<T> {
                     let active = &mut self.actives[slot];
                     let (at, step) = (&mut self.at[slot], &mut self.steps[slot]);
                     self.moving -= usize::from(*step != 0);
-                    if active.edge + 1 < active.end {
-                        active.edge += 1;
+                    if active.next < active.end {
+                        let Edge { last, line } = edges.edges[active.next as usize];
+                        active.next += 1;
                         active.renewed = y;
-                        let Edge { last, line } = edges.edges[active.edge as usize];
                         *until = last;
                         (*at, *step) = line.parts();
                         self.moving += usize::from(*step != 0);
                         replaced = true;
                     } else {
-                        active.ended = true;
                         *until = u32::MAX;
                         self.ended.push((slot as u32, line::column(at.wrapping_sub(*step))));
                         *step = 0;
@@ -115,9 +111,8 @@ impl<T: Copy> Slots<T> {
 
     /// Gives a chain a slot, with the edge that it has on scanline `y`.
     pub(super) fn occupy(&mut self, edges: &Edges<T>, chain: &Chain<T>, y: u32) -> u32 {
-        let (edge, line) = edges.edge_at(chain, y);
-        let ((at, step), until) = (line.parts(), edges.edges[edge as usize].last);
-        let active = Active { edge, end: chain.end, since: y, renewed: y, ended: false };
+        let (Edge { last: until, line }, next) = edges.edge_at(chain, y);
+        let ((at, step), active) = (line.parts(), Active { next, end: chain.end, renewed: y });
         debug_assert!(until > y);
         self.moving += usize::from(step != 0);
         self.leave = self.leave.min(until);

@@ -1,0 +1,156 @@
+//! What holds at a place of a scanline: windings of the shapes, and the ink that is visible there.
+//!
+//! With few shapes all that can hold at once is written out beforehand: a bit for each shape that is inside, and by these bits the ink. A crossing is
+//! then a sum, a bit and a look-up. With more shapes the counters of [`crate::count`] carry on what changes, and a bit set of layers knows the topmost.
+
+use crate::bits::BitSet;
+use crate::count::{Counters, Program, Rule};
+use crate::edge::Side;
+use crate::sweep::Entry;
+
+use super::{PAPER, Picture};
+
+/// Most leaves for which all that can hold is written out.
+const FEW: usize = 8;
+
+/// The state at a place of a scanline.
+#[derive(Clone, Debug)]
+pub(super) enum State {
+    Table(Table),
+    Program(Counted),
+}
+
+/// All that can hold, written out.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    /// By leaf.
+    counts: [i32; FEW],
+    /// By leaf: the bits of its count of which one is set where it holds.
+    masks: [i32; FEW],
+    /// The leaves that hold.
+    inside: usize,
+    /// By the leaves that hold.
+    inks: Vec<u32>,
+}
+
+/// Counters, and the layers that hold.
+#[derive(Clone, Debug)]
+pub(super) struct Counted {
+    counters: Counters,
+    layers: BitSet,
+}
+
+impl State {
+    /// The state at the left side of a scanline.
+    pub(super) fn new(picture: &Picture) -> State {
+        let Picture { program, inks, .. } = picture;
+        let counters = Counters::new(program);
+        let mut layers = BitSet::new(inks.len());
+        (0..inks.len()).filter(|&i| counters.output(program, i)).for_each(|i| layers.insert(i));
+        let counted = Counted { counters, layers };
+        if program.leaves() <= FEW { State::Table(Table::new(program, inks, counted)) } else { State::Program(counted) }
+    }
+
+    /// The visible ink, once everything is settled.
+    pub(super) fn ink(&self, inks: &[u32]) -> u32 {
+        match self {
+            State::Table(table) => table.inks[table.inside],
+            State::Program(counted) => counted.ink(inks),
+        }
+    }
+
+    /// Gives a leaf the count that it has somewhere else on the scanline. To be settled.
+    #[inline]
+    pub(super) fn set(&mut self, leaf: u32, count: i32) {
+        match self {
+            State::Table(table) => table.set(leaf, count),
+            State::Program(counted) => counted.counters.set(leaf, count),
+        }
+    }
+
+    /// Brings everything up to date with what was set.
+    pub(super) fn settle(&mut self, program: &Program) {
+        if let State::Program(Counted { counters, layers }) = self {
+            counters.settle(program, |layer, holds| layers.set(layer as usize, holds));
+        }
+    }
+
+    /// Crosses the edges of the group that begins at `edge`, and puts down by slot what the windings of their shapes are behind them. Gives
+    /// the index behind the group, and the ink there.
+    #[inline]
+    pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize, behind: &mut [i32]) -> (usize, u32) {
+        let tied = |edge: usize| list.get(edge).is_some_and(|entry| entry.is_tied());
+        let slot = list[edge].slot();
+        let mut next = edge + 1;
+        match self {
+            State::Table(table) => {
+                behind[slot] = table.add(sides[slot]);
+                while tied(next) {
+                    let slot = list[next].slot();
+                    behind[slot] = table.add(sides[slot]);
+                    next += 1;
+                }
+                (next, table.inks[table.inside])
+            }
+            State::Program(Counted { counters, layers }) => {
+                let Side { leaf, winding } = sides[slot];
+                let flip = |layer: u32, holds| layers.set(layer as usize, holds);
+                if tied(next) {
+                    behind[slot] = counters.add(leaf, winding);
+                    while tied(next) {
+                        let slot = list[next].slot();
+                        behind[slot] = counters.add(sides[slot].leaf, sides[slot].winding);
+                        next += 1;
+                    }
+                    counters.settle(&picture.program, flip);
+                } else {
+                    behind[slot] = counters.cross(&picture.program, leaf, winding, flip);
+                }
+                (next, layers.last().map_or(PAPER, |layer| picture.inks[layer]))
+            }
+        }
+    }
+}
+
+impl Counted {
+    fn ink(&self, inks: &[u32]) -> u32 {
+        self.layers.last().map_or(PAPER, |layer| inks[layer])
+    }
+}
+
+impl Table {
+    /// Writes out what `counted`, which is at rest, makes of every set of leaves.
+    fn new(program: &Program, inks: &[u32], mut counted: Counted) -> Table {
+        let leaves = program.leaves();
+        let rule = |leaf: usize| program.rule(leaf as u32);
+        // A count that makes a leaf hold, and one that does not; leaves that hold everywhere have no edges.
+        let count = |leaf: usize, holds: bool| if let Rule::AtLeast(k) = rule(leaf) { k - i32::from(!holds) } else { i32::from(holds) };
+        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, inks: Vec::new() };
+        for leaf in 0..leaves {
+            table.masks[leaf] = if rule(leaf) == Rule::Odd { 1 } else { -1 };
+            table.inside |= usize::from(rule(leaf).holds(0)) << leaf;
+        }
+        for inside in 0..1 << leaves {
+            let Counted { counters, layers } = &mut counted;
+            (0..leaves).for_each(|leaf| counters.set(leaf as u32, count(leaf, inside >> leaf & 1 == 1)));
+            counters.settle(program, |layer, holds| layers.set(layer as usize, holds));
+            table.inks.push(counted.ink(inks));
+        }
+        table
+    }
+
+    #[inline]
+    fn add(&mut self, side: Side) -> i32 {
+        let leaf = side.leaf as usize % FEW;
+        let count = self.counts[leaf] + side.winding;
+        self.counts[leaf] = count;
+        self.inside = self.inside & !(1 << leaf) | usize::from(count & self.masks[leaf] != 0) << leaf;
+        count
+    }
+
+    #[inline]
+    fn set(&mut self, leaf: u32, count: i32) {
+        let winding = count - self.counts[leaf as usize];
+        self.add(Side { leaf, winding });
+    }
+}
