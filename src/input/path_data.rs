@@ -178,6 +178,7 @@ impl<const SINGLE: bool> Pen<SINGLE> {
         }
     }
 
+    #[inline]
     fn line(&mut self, p: Point) {
         self.begin();
         let held = self.held(p);
