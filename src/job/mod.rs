@@ -149,13 +149,13 @@ impl Job {
         }
         let builder = gather::edges(&scene.shapes, &leaves, options.limits.threads, builder)?;
         drop(scene);
-        let (edges, open, seen) = builder.finish();
+        let outlines = builder.finish();
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
         Ok(Job {
-            picture: Arc::new(Picture { width: page.width, edges, program, inks: ink_of_layer, open }),
+            edges: outlines.seen,
+            picture: Arc::new(Picture { width: page.width, outlines, program, inks: ink_of_layer }),
             header: Header { width: page.width, lines, inks, dpi },
             band: band_height(page.height),
-            edges: seen,
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
         })

@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use self::walk::{Boundary, LEFT_SIDE, Walk};
 use crate::count::Program;
-use crate::edge::Side;
+use crate::edge::{Outlines, Side};
 use crate::run::{Lines, Run};
-use crate::sweep::{Edges, Sweep};
+use crate::sweep::Sweep;
 
 /// A picture ready to be swept.
 #[derive(Clone, Debug)]
@@ -21,13 +21,11 @@ pub struct Picture {
     /// Width in pixels.
     pub width: u32,
     /// The edges.
-    pub edges: Edges<Side>,
+    pub outlines: Outlines,
     /// The expressions of the layers: output i is layer i, the last on top.
     pub program: Program,
     /// Ink of each layer.
     pub inks: Vec<u32>,
-    /// Whether edges right of the page were left out, so that windings do not come back to 0 at a scanline's end.
-    pub open: bool,
 }
 
 /// What a walk has cost so far.
@@ -75,7 +73,7 @@ impl Rows {
     /// The next row or rows; `None` behind the last. Rows that follow each other may be equal.
     #[expect(clippy::should_implement_trait, reason = "the rows are lent, not given")]
     pub fn next(&mut self) -> Option<Lines<'_>> {
-        let scanline = self.sweep.next(&self.picture.edges)?;
+        let scanline = self.sweep.next(&self.picture.outlines.edges)?;
         if scanline.changed {
             self.cost.counted += 1;
             self.cost.peak_active = self.cost.peak_active.max(self.sweep.list().len() as u64);

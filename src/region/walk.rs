@@ -18,8 +18,9 @@
 //!           |same   |counted       |same   |
 //! ```
 //!
-//! Counting begins at the first group that differs, and ends where the windings passed in one list and in the other are the same again, shape by shape. In the
-//! stretches between, crossings are added up and nothing is looked at. That is the paper's skipped counting (2.2.3), for parts of a scanline.
+//! Counting begins at the first group that differs, and ends where the windings passed in one list and in the other are the same again, shape by shape. That is the
+//! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped each shape has the winding that it had behind its last edge
+//! there, so a few edges are looked at, from the stretch's end, where shapes are few.
 
 use crate::bits::BitSet;
 use crate::count::Counters;
@@ -49,6 +50,7 @@ pub(super) struct Walk {
     /// The boundaries before the last count.
     before: Vec<Boundary>,
     difference: Difference,
+    windings: Windings,
 }
 
 impl Walk {
@@ -57,7 +59,8 @@ impl Walk {
         let mut layers = BitSet::new(picture.inks.len());
         (0..picture.inks.len()).filter(|&i| counters.output(&picture.program, i)).for_each(|i| layers.insert(i));
         let difference = Difference { windings: vec![0; picture.program.nodes()], unequal: 0 };
-        Walk { counters, layers, list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference }
+        let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.nodes()], stretch: 0 };
+        Walk { counters, layers, list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
     }
 
     /// Where the visible ink changes on the line that was counted last.
@@ -69,7 +72,9 @@ impl Walk {
     pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> u64 {
         let new = sweep.list();
         self.boundaries.clear();
-        let mut line = Line::new(picture, sweep.tags(), new, &mut self.counters, &mut self.layers, &mut self.boundaries);
+        self.windings.behind.resize(sweep.tags().len(), 0);
+        let mut line =
+            Line::new(picture, sweep.tags(), new, &mut self.counters, &mut self.layers, &mut self.boundaries, &mut self.windings);
         let mut i = 0;
         while i < new.len() {
             i = line.group(i);
@@ -84,7 +89,8 @@ impl Walk {
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
         std::mem::swap(&mut self.boundaries, &mut self.before);
         self.boundaries.clear();
-        let mut line = Line::new(picture, sides, new, &mut self.counters, &mut self.layers, &mut self.boundaries);
+        self.windings.behind.resize(sides.len(), 0);
+        let mut line = Line::new(picture, sides, new, &mut self.counters, &mut self.layers, &mut self.boundaries, &mut self.windings);
         let difference = &mut self.difference;
         let mut counted = 0;
         // The boundary at the left side stands already.
@@ -92,7 +98,7 @@ impl Walk {
         let (mut i, mut j) = (0, 0);
         loop {
             // What is equal, up to the group that what differs belongs to.
-            let mut same = new[i..].iter().zip(&old[j..]).take_while(|(new, old)| new == old).count();
+            let mut same = equal(&new[i..], &old[j..]);
             if same > 0 && (tied(new, i + same) || tied(old, j + same)) {
                 same -= 1;
                 while new[i + same].is_tied() {
@@ -102,17 +108,15 @@ impl Walk {
             while self.before.get(kept).is_some_and(|boundary| (boundary.edge as usize) < j) {
                 kept += 1;
             }
-            while let Some(boundary) = self.before.get(kept).filter(|boundary| (boundary.edge as usize) < j + same) {
-                line.boundary(boundary.edge as usize - j + i, boundary.ink);
-                kept += 1;
-            }
-            line.pass(i..i + same);
+            let known = self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j + same).count();
+            line.keep(&self.before[kept..kept + known], i as isize - j as isize);
+            kept += known;
+            line.skip(i..i + same);
             (i, j) = (i + same, j + same);
             if i == new.len() && j == old.len() {
                 break;
             }
             // What differs, until the windings are the same again.
-            line.settle();
             let start = i;
             loop {
                 let end = if i < new.len() { line.group(i) } else { i };
@@ -152,8 +156,8 @@ impl Walk {
     /// Takes the counters back to the left side, and keeps the list.
     fn finish(&mut self, picture: &Picture, sweep: &Sweep<Side>) {
         let layers = &mut self.layers;
-        if picture.open {
-            sweep.list().iter().for_each(|entry| self.counters.clear(sweep.tags()[entry.slot()].leaf));
+        if picture.outlines.open {
+            sweep.list().iter().for_each(|entry| self.counters.set(sweep.tags()[entry.slot()].leaf, 0));
         }
         self.counters.settle(&picture.program, |layer, holds| layers.set(layer as usize, holds));
         self.list.clear();
@@ -169,6 +173,7 @@ struct Line<'a> {
     counters: &'a mut Counters,
     layers: &'a mut BitSet,
     boundaries: &'a mut Vec<Boundary>,
+    windings: &'a mut Windings,
     /// What is visible here.
     ink: u32,
 }
@@ -182,10 +187,11 @@ impl<'a> Line<'a> {
         counters: &'a mut Counters,
         layers: &'a mut BitSet,
         boundaries: &'a mut Vec<Boundary>,
+        windings: &'a mut Windings,
     ) -> Line<'a> {
         let ink = visible(picture, layers);
         boundaries.push(Boundary { edge: LEFT_SIDE, ink });
-        Line { picture, sides, list, counters, layers, boundaries, ink }
+        Line { picture, sides, list, counters, layers, boundaries, windings, ink }
     }
 
     fn boundary(&mut self, edge: usize, ink: u32) {
@@ -193,16 +199,30 @@ impl<'a> Line<'a> {
         self.boundaries.push(Boundary { edge: edge as u32, ink });
     }
 
-    /// Passes edges whose boundaries are known.
-    fn pass(&mut self, edges: std::ops::Range<usize>) {
-        for entry in &self.list[edges] {
-            let side = self.sides[entry.slot()];
-            self.counters.add(side.leaf, side.winding);
+    /// Takes over boundaries whose edges stand further on in the list, or further back.
+    fn keep(&mut self, boundaries: &[Boundary], shift: isize) {
+        let moved = |boundary: &Boundary| Boundary { edge: boundary.edge.wrapping_add(shift as u32), ..*boundary };
+        self.boundaries.extend(boundaries.iter().map(moved));
+        if let Some(last) = boundaries.last() {
+            self.ink = last.ink;
         }
     }
 
-    /// Brings the counters up to date with what was passed.
-    fn settle(&mut self) {
+    /// Goes to the end of a stretch whose boundaries are known.
+    fn skip(&mut self, edges: std::ops::Range<usize>) {
+        let Windings { behind, seen, stretch } = &mut *self.windings;
+        *stretch += 1;
+        let mut unseen = self.picture.outlines.leaves;
+        for entry in self.list[edges].iter().rev() {
+            let leaf = self.sides[entry.slot()].leaf;
+            if std::mem::replace(&mut seen[leaf as usize], *stretch) != *stretch {
+                self.counters.set(leaf, behind[entry.slot()]);
+                unseen -= 1;
+                if unseen == 0 {
+                    break;
+                }
+            }
+        }
         let layers = &mut *self.layers;
         self.counters.settle(&self.picture.program, |layer, holds| layers.set(layer as usize, holds));
         debug_assert_eq!(self.ink, visible(self.picture, self.layers), "the boundaries that were known are right");
@@ -217,18 +237,19 @@ impl<'a> Line<'a> {
             layers.set(layer as usize, holds);
             flipped = true;
         };
-        let side = self.sides[self.list[edge].slot()];
+        let slot = self.list[edge].slot();
+        let side = self.sides[slot];
         let mut next = edge + 1;
         if self.list.get(next).is_some_and(|entry| entry.is_tied()) {
-            self.counters.add(side.leaf, side.winding);
+            self.windings.behind[slot] = self.counters.add(side.leaf, side.winding);
             while let Some(entry) = self.list.get(next).filter(|entry| entry.is_tied()) {
                 let side = self.sides[entry.slot()];
-                self.counters.add(side.leaf, side.winding);
+                self.windings.behind[entry.slot()] = self.counters.add(side.leaf, side.winding);
                 next += 1;
             }
             self.counters.settle(program, flip);
         } else {
-            self.counters.cross(program, side.leaf, side.winding, flip);
+            self.windings.behind[slot] = self.counters.cross(program, side.leaf, side.winding, flip);
         }
         if flipped {
             let ink = visible(self.picture, self.layers);
@@ -242,6 +263,24 @@ impl<'a> Line<'a> {
 
 fn visible(picture: &Picture, layers: &BitSet) -> u32 {
     layers.last().map_or(PAPER, |layer| picture.inks[layer])
+}
+
+/// How long two lists are equal.
+fn equal(a: &[Entry], b: &[Entry]) -> usize {
+    const BLOCK: usize = 16;
+    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(|(a, b)| a == b).count();
+    let start = blocks * BLOCK;
+    start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a == b).count()
+}
+
+/// Windings of the shapes along the line that was counted last.
+#[derive(Clone, Debug)]
+struct Windings {
+    /// By slot: the winding of its own shape behind an edge.
+    behind: Vec<i32>,
+    /// By leaf: the number of the last stretch in which it was seen.
+    seen: Vec<u64>,
+    stretch: u64,
 }
 
 /// By leaf: windings passed in one list less those passed in the other.

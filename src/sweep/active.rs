@@ -98,6 +98,9 @@ pub struct Sweep<T> {
 /// A list may have so many slots without an edge before it is made anew, beside three for each with one.
 const SPARE: usize = 64;
 
+/// To find an edge's place in the list by halving takes about as long as to pass so many.
+const HALVING: usize = 32;
+
 impl<T: Copy> Sweep<T> {
     /// A sweep over `rows`.
     pub fn new(rows: Range<u32>) -> Sweep<T> {
@@ -256,8 +259,7 @@ impl<T: Copy> Sweep<T> {
 
     /// Takes the chains that have ended out of the list, whose columns are still those of the scanline above.
     fn remove(&mut self) {
-        // To find one takes about as long as to pass so many.
-        if self.ended.len() * 32 > self.list.len() {
+        if self.ended.len() * HALVING > self.list.len() {
             let mut kept = 0;
             for i in 0..self.list.len() {
                 let ended = self.actives[self.list[i].slot()].ended;
@@ -348,7 +350,12 @@ impl<T: Copy> Sweep<T> {
             let Edge { last, line } = edges.edges[chain.start as usize];
             let active = Active { edge: chain.start, end: chain.end, since: y, ended: false };
             let slot = self.occupy(y, active, line.parts(), last, chain.tag);
-            let place = self.columns[..old].partition_point(|&other| other <= chain.column);
+            // Many that enter are found by passing all, few by halving.
+            let place = if entering.len() * HALVING > self.list.len() {
+                self.columns[..old].iter().rposition(|&other| other <= chain.column).map_or(0, |place| place + 1)
+            } else {
+                self.columns[..old].partition_point(|&other| other <= chain.column)
+            };
             self.list.copy_within(place..old, place + i + 1);
             self.columns.copy_within(place..old, place + i + 1);
             old = place;
