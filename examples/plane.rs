@@ -1,10 +1,10 @@
-//! Writes the benchmarks' workloads as files, each as a JSON scene and as an SVG:
+//! Writes the benchmarks' workloads as files, each as a JSON scene, as an SVG and as a PDF:
 //!
 //! ```text
 //! cargo run --release --example plane -- OUTDIR [NAME ...]
 //! ```
 //!
-//! Without names it writes all of them, some 180 MB.
+//! Without names it writes all of them, some 270 MB; `map` is a drawing in many inks and an SVG only.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -12,21 +12,30 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+#[path = "../benches/shapes/map.rs"]
+mod map;
+#[path = "../benches/shapes/pdf.rs"]
+mod pdf;
+#[allow(dead_code, reason = "the benches fill them")]
 #[path = "../benches/shapes/mod.rs"]
 mod shapes;
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().context("usage: plane OUTDIR [NAME ...]")?;
-    let names: Vec<String> = arguments.collect();
-    let workloads = shapes::named(&names).map_err(anyhow::Error::msg)?;
+    let (maps, names): (Vec<String>, Vec<String>) = arguments.partition(|name| name == "map");
+    let workloads = if names.is_empty() && !maps.is_empty() { Vec::new() } else { shapes::named(&names).map_err(anyhow::Error::msg)? };
     let folder = Path::new(&folder);
     fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     for (name, make) in workloads {
         let shapes = make();
         write(&folder.join(format!("{name}.json")), |out| shapes.write_json(out))?;
         write(&folder.join(format!("{name}.svg")), |out| shapes.write_svg(out))?;
+        write(&folder.join(format!("{name}.pdf")), |out| pdf::write(&shapes, out))?;
         eprintln!("{name}: {} vertices", shapes.vertices());
+    }
+    if names.is_empty() || !maps.is_empty() {
+        write(&folder.join("map.svg"), map::write_svg)?;
     }
     Ok(())
 }

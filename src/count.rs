@@ -29,7 +29,8 @@ pub enum Rule {
 }
 
 impl Rule {
-    fn holds(self, count: i32) -> bool {
+    /// Whether a node with that count holds.
+    pub fn holds(self, count: i32) -> bool {
         match self {
             Rule::AtLeast(k) => count >= k,
             Rule::NonZero => count != 0,
@@ -102,6 +103,21 @@ impl Program {
     /// Number of nodes, leaves among them.
     pub fn nodes(&self) -> usize {
         self.rules.len()
+    }
+
+    /// The rule of a node.
+    pub fn rule(&self, node: Node) -> Rule {
+        self.rules[node as usize]
+    }
+
+    /// (child, parent, weight), each pair once, sorted by child.
+    pub fn links(&self) -> &[(Node, Node, i32)] {
+        &self.links
+    }
+
+    /// The node whose truth is output `i`.
+    pub fn output(&self, i: usize) -> Node {
+        self.outputs[i]
     }
 
     /// Number of outputs.

@@ -108,6 +108,13 @@ impl Merge {
             self.n = 0;
         }
     }
+
+    /// Forgets the record that is still open, and says at which line it began. There must be one.
+    pub fn forget(&mut self) -> u32 {
+        debug_assert!(self.n > 0, "lines were taken");
+        self.n = 0;
+        self.y
+    }
 }
 
 #[cfg(test)]

@@ -139,6 +139,7 @@ fn bytes_depend_on_the_picture_alone() {
             let bytes = raster.encode(format.name);
             assert!(bytes == raster.encode_in_groups(format.name, &mut rng, false), "{}, in large groups", format.name);
             assert!(bytes == raster.encode_in_groups(format.name, &mut rng, true), "{}, in groups", format.name);
+            assert!(bytes == raster.encode_in_parts(format.name, &mut rng), "{}, in parts", format.name);
         }
     }
 }
@@ -166,8 +167,8 @@ fn png_can_be_written_and_read_from_any_segment() {
             let lines = rows.start as u32..rows.end as u32;
             Raster { header: runset::run::Header { lines, ..raster.header.clone() }, rows: raster.rows[rows].to_vec() }.encode("png")
         };
-        // About 1 MiB of rows with their filter types.
-        let rows = (1 << 20) / (row_bytes + 1);
+        // Rows that are about 256 KiB, a power of two.
+        let rows = 1 << ((1usize << 18) / row_bytes).ilog2();
         assert!(raster.rows.len() > 3 * rows, "several segments");
         for cut in (rows..raster.rows.len()).step_by(rows) {
             let (above, below) = (part(0..cut), part(cut..raster.rows.len()));

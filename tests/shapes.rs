@@ -3,6 +3,7 @@
 //! All expected values come from numpy 2.4.6: `default_rng(seed)`, and CRC-32s by `zlib.crc32` over the vertices, `x` and `y` as
 //! little-endian 32-bit integers in 1/512 px, ring after ring, and over the files of the script that the recipes are taken from.
 
+#[allow(dead_code, reason = "the benches fill them")]
 #[path = "../benches/shapes/mod.rs"]
 mod shapes;
 
@@ -72,4 +73,20 @@ fn an_unknown_name_is_told() {
 
 fn workload(name: &str) -> Shapes {
     WORKLOADS.iter().find(|workload| workload.0 == name).expect("a workload").1()
+}
+
+#[test]
+fn edge_lines_are_the_pairs_of_an_edge_and_a_centre_between_its_ends() {
+    let shapes = WORKLOADS.iter().find(|workload| workload.0 == "kway1000").unwrap().1();
+    for scale in [1, 3] {
+        let mut pairs = 0;
+        for ring in shapes.layers.iter().flatten() {
+            for (i, p) in ring.iter().enumerate() {
+                let ends = [p[1], ring[(i + 1) % ring.len()][1]].map(|y| f64::from(y) / 512.0 * f64::from(scale));
+                let (top, bottom) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+                pairs += (top as u32..=bottom as u32).filter(|&j| (top..bottom).contains(&(f64::from(j) + 0.5))).count() as u64;
+            }
+        }
+        assert_eq!(shapes.edge_lines(scale), pairs);
+    }
 }

@@ -21,6 +21,8 @@ use std::f64::consts::PI;
 use std::io::{self, Write};
 
 use numpy::Rng;
+use runset::scene::{Picture, Scene};
+use runset::shape::{FillRule, Path, Shape};
 
 /// Side of the page in pixels at scale 1.
 pub const SIDE: u32 = 4096;
@@ -100,6 +102,32 @@ impl Shapes {
             writeln!(out, r#""/>"#)?;
         }
         writeln!(out, "</svg>")
+    }
+
+    /// The scene of `a - b`.
+    pub fn scene(&self) -> Scene {
+        let rule = if self.rule == "evenodd" { FillRule::EvenOdd } else { FillRule::NonZero };
+        let mut scene = Scene::new(f64::from(SIDE), f64::from(SIDE));
+        let [a, b] = [("a", &self.layers[0]), ("b", &self.layers[1])].map(|(id, rings)| {
+            let mut path = Path::default();
+            for ring in rings {
+                path.ring(&ring.iter().map(|&p| pixels(p)).collect::<Vec<_>>());
+            }
+            scene.add_shape(Shape { rule, ..Shape::new(id, path) })
+        });
+        scene.picture = Picture::Region(scene.formula.without(a, &[b]));
+        scene
+    }
+
+    /// Number of pairs of an edge and a scanline whose centre it crosses, at a whole number of pixels to a unit: the work of a sweep.
+    pub fn edge_lines(&self, scale: u32) -> u64 {
+        // Scanline j of the page is centred at (2 j + 1) 256 grid steps of the scaled shape.
+        let above = |y: i32| (i64::from(y) * i64::from(scale) + 256).div_euclid(512);
+        let ring = |ring: &Ring| {
+            let next = ring.iter().cycle().skip(1);
+            ring.iter().zip(next).map(|(p, q)| above(p[1]).abs_diff(above(q[1]))).sum::<u64>()
+        };
+        self.layers.iter().flatten().map(ring).sum()
     }
 }
 

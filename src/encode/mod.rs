@@ -3,6 +3,8 @@
 //! To add a format: write `src/encode/NAME.rs` with a `pub const FORMAT: Format` and add its name to the list
 //! at `formats!` below. Everything else (command line, extensions, help) follows from that constant.
 
+pub use part::{Part, Strip};
+
 use crate::run::{Header, Lines};
 
 /// What the program knows about a format.
@@ -25,7 +27,10 @@ pub struct Format {
 /// A writer of one raster: `begin`, then `lines` from top to bottom covering every line once, then `end`.
 ///
 /// Bytes are appended to `out`, which the caller empties as it likes. They depend on the picture and its header alone: not on
-/// how equal lines were grouped, nor on when `out` was emptied.
+/// how equal lines were grouped, nor on when `out` was emptied, nor on which lines were written by `part`.
+///
+/// Threads share the work: each has a writer of its own for [`Encode::part`]; the raster's own writer takes what they made, in order, by
+/// [`Encode::join`], and by [`Encode::lines`] the lines that no part holds.
 pub trait Encode: Send {
     /// About how many bytes each further of some equal lines adds to `out`. The caller splits a large [`Lines::n`] by it, so
     /// that `out` stays small; 0: there is nothing to split, whatever their number.
@@ -36,8 +41,20 @@ pub trait Encode: Send {
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>);
     /// Writes what stands behind the last line.
     fn end(&mut self, out: &mut Vec<u8>);
+    /// At multiples of how many lines of the page it is best to cut strips for `part`. A strip is about that long at most.
+    fn strip_lines(&self) -> u32;
+    /// Writes those lines of `strip` that need nothing from above them and leave nothing to those below, and says which. To be called
+    /// on a writer that is asked for nothing else.
+    fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part;
+    /// Takes note that the bytes of `part` follow, which is not empty, and writes what has to stand before them.
+    fn join(&mut self, part: &Part, out: &mut Vec<u8>);
 }
 
+/// About how many bytes of rows are a strip, where every row is bytes of its own.
+const STRIP_BYTES: usize = 1 << 18;
+
+mod deflate;
+mod part;
 mod records;
 mod rows;
 

@@ -7,32 +7,23 @@
 //! IHDR pHYs PLTE | IDAT 78 5e | IDAT rows 0..k | IDAT rows k..2k | … | IDAT rows to the end, empty last block, Adler-32 | IEND
 //! ```
 //!
-//! `k` rows, about 1 MiB, are a segment: its first row is not filtered (type 0), all others are differences to the row above
-//! (type 2, Up). It is compressed from an empty window, ends with an empty stored block at a byte boundary, as zlib's full flush
-//! does, and with its chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, a segment of
-//! equal rows is compressed once, and the checksum is combined from those of the segments. Within a segment the compressor
-//! gets one row a call and the same room for its answer every time.
+//! `k` rows, some 256 KiB, are a segment: those from one multiple of `k` on the page to the next. Its first row is not filtered (type
+//! 0), all others are differences to the row above (type 2, Up). It is one block of deflate that refers to nothing before it
+//! ([`super::deflate`]) and one chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, threads
+//! write different ones, a segment of equal rows is compressed once, and the checksum is combined from those of the segments.
 //!
-//! Cost: painting, one difference and the compressor for each distinct row; a row of zeros through the compressor for a repeat;
-//! a copy of the compressed bytes for a segment that repeats.
+//! Cost: painting, one difference and two looks at the bytes for each distinct row; a symbol for each 258 bytes of a repeat; a copy of
+//! the compressed bytes for a segment that repeats.
 //!
-//! Source: PNG Specification (Third Edition), RFC 1950 and RFC 1951.
+//! Source: PNG Specification (Third Edition), RFC 1950.
 
-// Filter and level were measured on pages of 16,384 x 16,384 (milliseconds, KB): 60 wavy boundaries black on white, the same
-// between 10 inks, narrow glyphs, and noise of 1 to 31 px, which is the worst.
-//
-//              waves      10 inks      glyphs       noise           waves       10 inks      glyphs        noise
-//     Up  1   27,  893    68, 1852    83, 1215    357, 30480   None   46, 3024    98, 4844   107, 4569    241, 21642
-//     Up  2   31,  531    94,  663    79,  655    649, 22127   None   59, 2078   105, 3042   112, 2599    347, 14866
-//     Up  4   43,  523    90,  659    84,  524    711, 22068   None   84, 1202   379, 2937   141, 1687    662, 13949
-//     Up  6   76,  424   132,  606    98,  499    692, 22067   None  201,  753   591, 1923   324, 1626   1334, 13730
-//
-// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory; noise is not what is drawn.
-// Level 4 is where size stops paying for time. Level 1 (fixed Huffman codes) is up to three times larger for two fifths less time.
+// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory. Noise, which is not what is drawn, would be
+// smaller by a third without a filter.
 
-use flate2::{Compress, Compression, FlushCompress};
+use std::ops::Range;
 
-use super::{Encode, Format, rows};
+use super::deflate::{self, Block};
+use super::{Encode, Format, Part, STRIP_BYTES, Strip, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run};
 
 /// The format.
@@ -45,14 +36,10 @@ pub const FORMAT: Format = Format {
     encoder: |header| Box::new(Png::new(header)),
 };
 
-/// Bytes of rows in a segment, about.
-const SEGMENT_BYTES: usize = 1 << 20;
-
-/// A chunk is closed at the end of a segment, and after the row that takes it past this.
-const CHUNK_BYTES: usize = 1 << 16;
-
-/// Of deflate; see above.
-const LEVEL: u32 = 4;
+/// Rows of a segment: about 256 KiB of them, but 16, if that is at most 1 MiB, so that few are not filtered.
+fn segment_rows(row_bytes: usize) -> u32 {
+    rows::lines_of(STRIP_BYTES, row_bytes).max(rows::lines_of(1 << 20, row_bytes).min(16))
+}
 
 /// What the pixels of a row are.
 #[derive(Clone, Copy, PartialEq)]
@@ -65,9 +52,11 @@ enum Colour {
 struct Png {
     header: Header,
     colour: Colour,
+    /// Of the inks, for RGB.
+    blocks: Vec<rows::Block>,
     segment_rows: u32,
-    /// Rows in the open segment, below `segment_rows`.
-    rows: u32,
+    /// Whether the segment has begun.
+    open: bool,
     row: Vec<u8>,
     /// The row above.
     above: Vec<u8>,
@@ -92,8 +81,9 @@ impl Png {
         Png {
             header: header.clone(),
             colour,
-            segment_rows: (SEGMENT_BYTES / (row_bytes + 1)).max(1) as u32,
-            rows: 0,
+            blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
+            segment_rows: segment_rows(row_bytes),
+            open: false,
             row: vec![0; row_bytes],
             above: vec![0; row_bytes],
             filtered: vec![0; row_bytes + 1],
@@ -103,33 +93,29 @@ impl Png {
     }
 
     fn paint(&mut self, runs: &[Run]) {
+        self.row.fill(if let Colour::Palette { .. } = self.colour { 0 } else { 255 });
         match self.colour {
-            Colour::Grey => rows::packed(&mut self.row, 1, 1, runs, |_| 0),
-            Colour::Palette { depth } => rows::packed(&mut self.row, depth, 0, runs, |ink| ink as u8 + 1),
-            Colour::Rgb => rows::rgb(&mut self.row, runs, &self.header.inks),
+            Colour::Grey => rows::packed(&mut self.row, 1, runs, |_| 0),
+            Colour::Palette { depth } => rows::packed(&mut self.row, depth, runs, |ink| ink as u8 + 1),
+            Colour::Rgb => rows::rgb(&mut self.row, runs, &self.blocks),
         }
     }
 
-    /// Puts `n` rows equal to `self.row` into the open segment, which has room for them.
-    fn rows(&mut self, n: u32, out: &mut Vec<u8>) {
+    /// Puts `n` rows equal to `self.row` into the open segment, which has room for them, and ends it if they are its last.
+    fn rows(&mut self, n: u32, last: bool, out: &mut Vec<u8>) {
         let (kind, filtered) = self.filtered.split_at_mut(1);
-        if self.rows == 0 {
+        if !self.open {
             kind[0] = 0;
             filtered.copy_from_slice(&self.row);
         } else {
             kind[0] = 2;
             filtered.iter_mut().zip(self.row.iter().zip(&self.above)).for_each(|(f, (row, above))| *f = row.wrapping_sub(*above));
         }
-        self.idat.push(&self.filtered, 1, out);
-        if n > 1 {
-            self.filtered.fill(0);
-            self.filtered[0] = 2;
-            self.idat.push(&self.filtered, n - 1, out);
-        }
-        self.rows += n;
-        if self.rows == self.segment_rows {
-            self.idat.end_segment(FlushCompress::Full, out);
-            self.rows = 0;
+        self.idat.row(&self.filtered);
+        self.idat.repeats(self.row.len(), n - 1);
+        self.open = !last;
+        if last {
+            self.idat.end_segment(out);
         }
         self.above.copy_from_slice(&self.row);
     }
@@ -165,18 +151,19 @@ impl Encode for Png {
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
         self.paint(lines.runs);
-        let mut left = lines.n;
-        while left > 0 {
-            let n = left.min(self.segment_rows - self.rows);
-            left -= n;
+        let (mut y, end) = (lines.y, lines.y + lines.n);
+        while y < end {
+            let n = (end - y).min(self.segment_rows - y % self.segment_rows);
+            y += n;
+            let last = y.is_multiple_of(self.segment_rows);
             if n < self.segment_rows {
-                self.rows(n, out);
+                self.rows(n, last, out);
             } else if self.repeated.0 == self.row {
                 out.extend_from_slice(&self.repeated.1);
                 self.idat.adler.append(self.repeated.2);
             } else {
                 let (start, adler) = (out.len(), std::mem::take(&mut self.idat.adler));
-                self.rows(n, out);
+                self.rows(n, last, out);
                 let segment = std::mem::replace(&mut self.idat.adler, adler);
                 self.idat.adler.append(segment);
                 self.repeated = (self.row.clone(), out[start..].to_vec(), segment);
@@ -185,71 +172,80 @@ impl Encode for Png {
     }
 
     fn end(&mut self, out: &mut Vec<u8>) {
-        self.idat.end_segment(FlushCompress::Finish, out);
+        self.idat.end(self.open, out);
         chunk(out, b"IEND", &[]);
+    }
+
+    fn strip_lines(&self) -> u32 {
+        self.segment_rows
+    }
+
+    /// Whole segments, but for the first and the last of the raster.
+    fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {
+        let Range { start, end } = strip.lines();
+        let (start, end) = (start.next_multiple_of(self.segment_rows), end / self.segment_rows * self.segment_rows);
+        if start >= end {
+            return Part::none(strip);
+        }
+        self.idat.adler = Adler::default();
+        strip.within(start..end).for_each(|lines| self.lines(lines, out));
+        let Adler { a, b, len } = self.idat.adler;
+        Part { lines: start..end, tally: [a, b, len] }
+    }
+
+    fn join(&mut self, part: &Part, _out: &mut Vec<u8>) {
+        let [a, b, len] = part.tally;
+        self.idat.adler.append(Adler { a, b, len });
     }
 }
 
-/// The compressed stream of one segment after another, in chunks.
+/// The compressed stream: a chunk a segment.
 struct Idat {
-    deflate: Compress,
-    /// Room for one answer of the compressor.
-    answer: Box<[u8; 1 << 14]>,
-    /// Compressed bytes of the open chunk.
-    pending: Vec<u8>,
+    block: Block,
+    compressed: Vec<u8>,
     /// Of all rows so far.
     adler: Adler,
 }
 
 impl Idat {
     fn new() -> Idat {
-        Idat {
-            deflate: Compress::new(Compression::new(LEVEL), false),
-            answer: Box::new([0; 1 << 14]),
-            pending: Vec::new(),
-            adler: Adler::default(),
+        Idat { block: Block::new(), compressed: Vec::new(), adler: Adler::default() }
+    }
+
+    /// Takes a filtered row.
+    fn row(&mut self, filtered: &[u8]) {
+        self.block.push(filtered);
+        self.adler.append(Adler::of(filtered));
+    }
+
+    /// Takes `n` rows of `row_bytes` bytes that are equal to the one above: a filter type and zeros.
+    fn repeats(&mut self, row_bytes: usize, n: u32) {
+        let len = row_bytes as u64 + 1;
+        for _ in 0..n {
+            self.block.push_equal(2, 1);
+            self.block.push_equal(0, row_bytes);
+            self.adler.append(Adler { a: 2, b: 2 * len % Adler::MODULUS, len });
         }
     }
 
-    /// Compresses a filtered row, `times` times.
-    fn push(&mut self, row: &[u8], times: u32, out: &mut Vec<u8>) {
-        let adler = Adler::of(row);
-        for _ in 0..times {
-            self.deflate(row, FlushCompress::None);
-            self.adler.append(adler);
-            if self.pending.len() > CHUNK_BYTES {
-                self.chunk(out);
-            }
-        }
-    }
-
-    /// Ends the segment, and with [`FlushCompress::Finish`] the stream.
-    fn end_segment(&mut self, flush: FlushCompress, out: &mut Vec<u8>) {
-        self.deflate(&[], flush);
-        if flush == FlushCompress::Finish {
-            self.pending.extend_from_slice(&self.adler.value().to_be_bytes());
-        }
+    fn end_segment(&mut self, out: &mut Vec<u8>) {
+        self.block.end(&mut self.compressed);
         self.chunk(out);
-        self.deflate.reset();
+    }
+
+    /// Ends the stream, and before it the last segment if that is still open.
+    fn end(&mut self, open: bool, out: &mut Vec<u8>) {
+        if open {
+            self.block.end(&mut self.compressed);
+        }
+        self.compressed.extend(deflate::LAST);
+        self.compressed.extend(self.adler.value().to_be_bytes());
+        self.chunk(out);
     }
 
     fn chunk(&mut self, out: &mut Vec<u8>) {
-        chunk(out, b"IDAT", &self.pending);
-        self.pending.clear();
-    }
-
-    fn deflate(&mut self, mut data: &[u8], flush: FlushCompress) {
-        loop {
-            let (taken, made) = (self.deflate.total_in(), self.deflate.total_out());
-            self.deflate.compress(data, &mut self.answer[..], flush).expect("a compressor that was set up takes any bytes");
-            let made = (self.deflate.total_out() - made) as usize;
-            data = &data[(self.deflate.total_in() - taken) as usize..];
-            self.pending.extend_from_slice(&self.answer[..made]);
-            if made < self.answer.len() {
-                debug_assert!(data.is_empty());
-                return;
-            }
-        }
+        chunk(out, b"IDAT", &self.compressed);
+        self.compressed.clear();
     }
 }
 
@@ -276,17 +272,10 @@ impl Adler {
     const MODULUS: u64 = 65_521;
 
     fn of(data: &[u8]) -> Adler {
-        let (mut a, mut b) = (0, 0);
-        // As many bytes as 32-bit sums hold.
-        for part in data.chunks(5552) {
-            for &byte in part {
-                a += u32::from(byte);
-                b += a;
-            }
-            a %= Self::MODULUS as u32;
-            b %= Self::MODULUS as u32;
-        }
-        Adler { a: a.into(), b: b.into(), len: data.len() as u64 }
+        let mut sum = simd_adler32::Adler32::from_checksum(0);
+        sum.write(data);
+        let sum = u64::from(sum.finish());
+        Adler { a: sum & 0xffff, b: sum >> 16, len: data.len() as u64 }
     }
 
     fn append(&mut self, next: Adler) {

@@ -1,8 +1,8 @@
 //! What the line streams share: lines are gathered into records, and counted and summed up for the end record.
 
-use super::Encode;
+use super::{Encode, Part, Strip};
 use crate::checksum::Checksum;
-use crate::run::{Header, Lines, Merge};
+use crate::run::{Header, Lines, Merge, RECORD_LINES};
 
 /// A line stream; the functions say how its parts are spelled.
 pub struct Records {
@@ -28,6 +28,15 @@ impl Records {
     pub fn boxed(header: &Header, spelling: Spelling) -> Box<dyn Encode> {
         Box::new(Records { header: header.clone(), spelling, merge: Merge::default(), sum: Checksum::new(header) })
     }
+
+    /// Writes the record that is still open, if there is one.
+    fn flush(&mut self, out: &mut Vec<u8>) {
+        let several = self.header.inks.len() > 1;
+        self.merge.flush(|record| {
+            self.sum.add(record);
+            (self.spelling.record)(record, several, out);
+        });
+    }
 }
 
 impl Encode for Records {
@@ -48,11 +57,28 @@ impl Encode for Records {
     }
 
     fn end(&mut self, out: &mut Vec<u8>) {
-        let several = self.header.inks.len() > 1;
-        self.merge.flush(|record| {
-            self.sum.add(record);
-            (self.spelling.record)(record, several, out);
-        });
+        self.flush(out);
         (self.spelling.end)(&self.sum, out);
+    }
+
+    fn strip_lines(&self) -> u32 {
+        RECORD_LINES / 4
+    }
+
+    /// The first record may have begun above and the last may go on below: both are left out.
+    fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {
+        let all = strip.lines();
+        let mut groups = strip.within(all.clone());
+        let first = groups.next().map_or(&[][..], |lines| lines.runs);
+        let Some(start) = groups.find(|lines| lines.runs != first).map(|lines| lines.y) else { return Part::none(strip) };
+        self.sum.restart();
+        strip.within(start..all.end).for_each(|lines| self.lines(lines, out));
+        let end = self.merge.forget();
+        Part { lines: start..end, tally: self.sum.tally() }
+    }
+
+    fn join(&mut self, part: &Part, out: &mut Vec<u8>) {
+        self.flush(out);
+        self.sum.append(part.tally);
     }
 }

@@ -1,19 +1,21 @@
 //! Runs become rows of bytes, and formats that are nothing but a head and such rows.
 //!
-//! A row is painted run by run, a byte at a time, into memory that holds paper already. It is done once for equal lines; the
-//! rest are copies.
+//! A row is paper first, and then painted run by run, a byte at a time. It is done once for equal lines; the rest are copies. The
+//! first pass is what makes room for the row at all, so that every byte is touched by the few passes that it needs.
 
-use super::Encode;
+use super::{Encode, Part, STRIP_BYTES, Strip};
 use crate::run::{Lines, Rgb, Run};
 
-/// Writes the pixels of `runs` into `row` at `depth` bits a pixel (1, 2, 4 or 8), leftmost in the high bits. `value` gives the
-/// pixel of an ink; all others become `paper`, those that fill up the last byte too.
-pub fn packed(row: &mut [u8], depth: u32, paper: u8, runs: &[Run], value: impl Fn(u32) -> u8) {
-    // A byte of equal pixels: at 2 bits, pixel 3 is 3 · 0b01010101.
-    let spread = 255 / ((1u16 << depth) - 1) as u8;
-    row.fill(paper * spread);
+/// A byte of equal pixels of `depth` bits (1, 2, 4 or 8): at 2 bits, pixel 3 is 3 · 0b01010101.
+pub fn spread(depth: u32, pixel: u8) -> u8 {
+    255 / ((1u16 << depth) - 1) as u8 * pixel
+}
+
+/// Writes the pixels of `runs` into `row`, which is paper, at `depth` bits a pixel (1, 2, 4 or 8), leftmost in the high bits. `value`
+/// gives the pixel of an ink.
+pub fn packed(row: &mut [u8], depth: u32, runs: &[Run], value: impl Fn(u32) -> u8) {
     for run in runs {
-        fill_bits(row, (run.start * depth) as usize, (run.end * depth) as usize, value(run.ink) * spread);
+        fill_bits(row, (run.start * depth) as usize, (run.end * depth) as usize, spread(depth, value(run.ink)));
     }
 }
 
@@ -34,23 +36,38 @@ fn fill_bits(row: &mut [u8], start: usize, end: usize, pattern: u8) {
     }
 }
 
-/// Writes the pixels of `runs` into `row` at three bytes a pixel, on white.
-pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Rgb]) {
-    row.fill(255);
+/// Sixteen equal pixels of three bytes, which are whole registers of any width.
+pub type Block = [u8; 48];
+
+/// The blocks of inks.
+pub fn blocks(inks: &[Rgb]) -> Vec<Block> {
+    let block = |ink: &Rgb| {
+        let mut block = [0; 48];
+        block.as_chunks_mut().0.fill(*ink);
+        block
+    };
+    inks.iter().map(block).collect()
+}
+
+/// Writes the pixels of `runs` into `row`, which is white, at three bytes a pixel.
+pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Block]) {
     for run in runs {
-        let ink = inks[run.ink as usize];
-        row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut().0.fill(ink);
+        let block = &inks[run.ink as usize];
+        let (whole, rest) = row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut();
+        whole.iter_mut().for_each(|pixels| *pixels = *block);
+        rest.copy_from_slice(&block[..rest.len()]);
     }
 }
 
-/// A writer of `head` and then rows of `row_bytes` bytes; `paint` writes all of a row.
-pub fn plain(head: String, row_bytes: usize, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
-    Box::new(Plain { head, row_bytes, paint })
+/// A writer of `head` and then rows of `row_bytes` bytes, which are `paper` before `paint` writes its runs over them.
+pub fn plain(head: String, row_bytes: usize, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+    Box::new(Plain { head, row_bytes, paper, paint })
 }
 
 struct Plain<P> {
     head: String,
     row_bytes: usize,
+    paper: u8,
     paint: P,
 }
 
@@ -65,12 +82,28 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
         let at = out.len();
-        out.resize(at + self.row_bytes, 0);
+        out.resize(at + self.row_bytes, self.paper);
         (self.paint)(lines.runs, &mut out[at..]);
         (1..lines.n).for_each(|_| out.extend_from_within(at..at + self.row_bytes));
     }
 
     fn end(&mut self, _out: &mut Vec<u8>) {}
+
+    fn strip_lines(&self) -> u32 {
+        lines_of(STRIP_BYTES, self.row_bytes)
+    }
+
+    fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {
+        strip.within(strip.lines()).for_each(|lines| self.lines(lines, out));
+        Part { lines: strip.lines(), tally: [0; 3] }
+    }
+
+    fn join(&mut self, _part: &Part, _out: &mut Vec<u8>) {}
+}
+
+/// How many rows of `row_bytes` bytes are about `bytes` bytes: a power of two.
+pub fn lines_of(bytes: usize, row_bytes: usize) -> u32 {
+    1 << (bytes / row_bytes.max(1)).max(1).ilog2()
 }
 
 #[cfg(test)]
@@ -89,8 +122,8 @@ mod tests {
             // Pixel 0 is paper, others are a run of one pixel each.
             let runs: Vec<Run> = (0u32..).zip(&pixels).filter(|p| *p.1 > 0)
                 .map(|(x, &ink)| Run { start: x, end: x + 1, ink: u32::from(ink) - 1 }).collect();
-            let mut row = vec![0x5a; (pixels.len() * depth as usize).div_ceil(8)];
-            packed(&mut row, depth, paper, &runs, value);
+            let mut row = vec![spread(depth, paper); (pixels.len() * depth as usize).div_ceil(8)];
+            packed(&mut row, depth, &runs, value);
             let expected: String = pixels.iter().map(|&p| if p == 0 { paper } else { value(u32::from(p) - 1) })
                 .map(|v| format!("{v:08b}")[8 - depth as usize..].to_string()).collect();
             let got: String = row.iter().map(|b| format!("{b:08b}")).collect();

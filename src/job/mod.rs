@@ -12,6 +12,7 @@ mod convert;
 mod gather;
 mod info;
 mod pump;
+mod queue;
 mod render;
 mod size;
 mod stream;

@@ -1,41 +1,21 @@
-//! A raster written by threads: each sweeps bands, and the caller's thread puts them in order and encodes.
+//! A raster written by threads, which share the sweeping and the encoding; the caller's thread is one of them, and writes.
 //!
 //! ```text
-//!   thread 0   band 0 . . band 2 . .      each band arrives in batches through a bounded queue,
-//!   thread 1   band 1 . . band 3 . .      so a thread that is ahead waits and memory stays small
-//!   caller     band 0, band 1, band 2, ... -> encoder -> write
+//!   bands --sweep--> strips of runs --part--> bytes --in order--> write
+//!          any thread               any thread       the caller's thread, before all else
 //! ```
 
 use std::io::Write;
 use std::ops::Range;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::time::Instant;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
-use super::pump::{PORTION, Pump};
+use super::pump::PORTION;
+use super::queue::{Member, Queue, Ready, Sweep, Work};
 use super::{Job, Stats, write};
-use crate::encode::Format;
+use crate::encode::{Encode, Format};
 use crate::error::{Error, Result};
 use crate::region::{Cost, Rows};
-use crate::run::{Lines, Run};
-
-/// Runs of a batch before it is sent on.
-const BATCH_RUNS: usize = 16 << 10;
-
-/// Rows of a batch before it is sent on.
-const BATCH_ROWS: usize = 1 << 10;
-
-/// Batches that may wait in a thread's queue.
-const QUEUE: usize = 4;
-
-/// Rows on their way from a sweeping thread to the encoder.
-#[derive(Default)]
-struct Batch {
-    /// First line, number of lines, and where its runs end.
-    rows: Vec<(u32, u32, usize)>,
-    runs: Vec<Run>,
-    /// Set on the last batch of a band: what the band has cost.
-    cost: Option<Cost>,
-}
 
 impl Job {
     /// Writes the whole raster with `threads` threads. `progress` is called with the number of lines written so far, now and then. The bytes
@@ -47,79 +27,134 @@ impl Job {
         let swept = Instant::now();
         let bands: Vec<Range<u32>> = self.bands().collect();
         let threads = threads.max(1);
-        let mut bytes = Vec::with_capacity(2 * PORTION);
-        let mut pump = Pump::new(format, &self.header, &mut bytes);
-        let mut cost = Cost::default();
-        let mut first_line = None;
+        let queue = Queue::new(bands.len(), threads.min(bands.len()));
+        let shared = Shared { job: self, bands, queue, first_line: OnceLock::new() };
+        let mut joiner = Joiner::new((format.encoder)(&self.header), out, progress);
 
         std::thread::scope(|scope| -> Result<()> {
-            let queues: Vec<Receiver<Batch>> = (0..threads.min(bands.len()))
-                .map(|thread| {
-                    let (sender, receiver) = sync_channel(QUEUE);
-                    let mine = bands.iter().skip(thread).step_by(threads);
-                    scope.spawn(move || mine.map(|band| self.sweep(band, &sender)).take_while(|sent| *sent).count());
-                    receiver
-                })
-                .collect();
-            for band in 0..bands.len() {
-                loop {
-                    let batch = queues[band % threads].recv().expect("a sweeping thread sends the end of each of its bands");
-                    first_line.get_or_insert_with(|| self.started.elapsed());
-                    let mut start = 0;
-                    for &(mut y, mut n, end) in &batch.rows {
-                        while n > 0 {
-                            let took = pump.push(Lines { y, n, runs: &batch.runs[start..end] }, &mut bytes);
-                            (y, n) = (y + took, n - took);
-                            if bytes.len() >= PORTION {
-                                write(out, &mut bytes)?;
-                                progress(pump.lines);
-                            }
-                        }
-                        start = end;
-                    }
-                    if let Some(band_cost) = batch.cost {
-                        cost.add(&band_cost);
-                        break;
-                    }
+            let _member = Member(&shared.queue);
+            for _ in 1..threads.min(shared.bands.len()) {
+                scope.spawn(|| {
+                    let _member = Member(&shared.queue);
+                    let mut encoder = (format.encoder)(&self.header);
+                    while shared.work(shared.queue.next(false), &mut *encoder).is_some() {}
+                });
+            }
+            let mut encoder = (format.encoder)(&self.header);
+            loop {
+                match shared.queue.next(true) {
+                    Work::Write(ready) => shared.queue.written(joiner.take(ready)?),
+                    Work::Band(cost) => joiner.cost.add(&cost),
+                    work => match shared.work(work, &mut *encoder) {
+                        Some(()) => {}
+                        None => return Ok(()),
+                    },
                 }
             }
-            Ok(())
         })?;
-        pump.finish(&mut bytes);
-        write(out, &mut bytes)?;
-        out.flush().map_err(|error| Error::output(&error))?;
-        progress(pump.lines);
+        joiner.finish()?;
 
+        let Joiner { lines, runs, cost, .. } = joiner;
         Ok(Stats {
             width: self.header.width,
             height: self.header.height(),
             edges: self.edges,
-            lines: pump.lines,
+            lines,
             lines_counted: cost.counted,
             lines_repeated: cost.repeated,
             toggles: cost.toggles,
-            runs: pump.runs,
+            runs,
             peak_active: cost.peak_active,
             prepare_seconds: self.prepare_seconds,
             seconds: swept.elapsed().as_secs_f64(),
-            first_line_seconds: first_line.unwrap_or_default().as_secs_f64(),
+            first_line_seconds: shared.first_line.get().map_or(0.0, Duration::as_secs_f64),
             threads,
         })
     }
+}
 
-    /// Sweeps a band into a queue; false if nobody reads it any more.
-    fn sweep(&self, band: &Range<u32>, queue: &SyncSender<Batch>) -> bool {
-        let mut rows = Rows::new(self.picture.clone(), band.clone());
-        let mut batch = Batch::default();
-        while let Some(lines) = rows.next() {
-            batch.runs.extend_from_slice(lines.runs);
-            batch.rows.push((lines.y, lines.n, batch.runs.len()));
-            let full = batch.runs.len() >= BATCH_RUNS || batch.rows.len() >= BATCH_ROWS;
-            if full && queue.send(std::mem::take(&mut batch)).is_err() {
-                return false;
+/// What the threads share.
+struct Shared<'j> {
+    job: &'j Job,
+    bands: Vec<Range<u32>>,
+    queue: Queue,
+    /// From the start of the work to the first line being ready.
+    first_line: OnceLock<Duration>,
+}
+
+impl Shared<'_> {
+    /// Does what any thread can do, with an encoder of its own; `None` at the end.
+    fn work(&self, work: Work, encoder: &mut dyn Encode) -> Option<()> {
+        match work {
+            Work::Sweep(band, sweep) => {
+                let sweep = sweep.unwrap_or_else(|| Sweep::new(Rows::new(self.job.picture.clone(), self.bands[band].clone())));
+                self.queue.sweep(band, sweep, encoder.strip_lines());
+                self.first_line.get_or_init(|| self.job.started.elapsed());
+            }
+            Work::Encode(band, place, mut ready) => {
+                ready.part = encoder.part(&ready.strip, &mut ready.bytes);
+                self.queue.encoded(band, place, ready);
+            }
+            Work::Write(_) | Work::Band(_) => debug_assert!(false, "only the writer is asked to write"),
+            Work::End => return None,
+        }
+        Some(())
+    }
+}
+
+/// Puts parts and the lines between them together, and writes them.
+struct Joiner<'o> {
+    encoder: Box<dyn Encode>,
+    out: &'o mut dyn Write,
+    progress: &'o mut dyn FnMut(u32),
+    /// Bytes to be written before any part.
+    pending: Vec<u8>,
+    lines: u32,
+    runs: u64,
+    cost: Cost,
+}
+
+impl<'o> Joiner<'o> {
+    fn new(mut encoder: Box<dyn Encode>, out: &'o mut dyn Write, progress: &'o mut dyn FnMut(u32)) -> Joiner<'o> {
+        let mut pending = Vec::new();
+        encoder.begin(&mut pending);
+        Joiner { encoder, out, progress, pending, lines: 0, runs: 0, cost: Cost::default() }
+    }
+
+    /// Takes the next strip.
+    fn take(&mut self, ready: Ready) -> Result<Ready> {
+        let Ready { strip, part, bytes } = &ready;
+        let all = strip.lines();
+        self.lines += all.end - all.start;
+        self.runs += strip.within(all.clone()).map(|lines| u64::from(lines.n) * lines.runs.len() as u64).sum::<u64>();
+        strip.within(all.start..part.lines.start).for_each(|lines| self.encoder.lines(lines, &mut self.pending));
+        if !part.lines.is_empty() {
+            self.encoder.join(part, &mut self.pending);
+            if bytes.len() < PORTION {
+                self.pending.extend_from_slice(bytes);
+            } else {
+                self.flush()?;
+                self.out.write_all(bytes).map_err(|error| Error::output(&error))?;
+                (self.progress)(self.lines);
             }
         }
-        batch.cost = Some(*rows.cost());
-        queue.send(batch).is_ok()
+        strip.within(part.lines.end..all.end).for_each(|lines| self.encoder.lines(lines, &mut self.pending));
+        if self.pending.len() >= PORTION {
+            self.flush()?;
+            (self.progress)(self.lines);
+        }
+        Ok(ready)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        if self.pending.is_empty() { Ok(()) } else { write(self.out, &mut self.pending) }
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.encoder.end(&mut self.pending);
+        self.flush()?;
+        self.out.flush().map_err(|error| Error::output(&error))?;
+        (self.progress)(self.lines);
+        Ok(())
     }
 }

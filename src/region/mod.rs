@@ -3,17 +3,22 @@
 //! The boundaries between inks are kept as indices into the active list ([`walk`]). As long as no edge enters or leaves and neither the order of the edges nor
 //! their ties change, the same boundaries hold on the next scanline and nothing is counted; only their columns are read ("CSG" in ARCHITECTURE.md, section 2.2.3). So
 //! the number of scanlines that are counted follows the drawing and not the resolution.
+//!
+//! Where order is lost from line to line the rows are made without it ([`tangle`]). That is measured as the sweep goes, on the lines themselves, so that it
+//! depends on nothing but the picture and the first line.
 
+mod tangle;
 mod walk;
 
 use std::ops::Range;
 use std::sync::Arc;
 
+use self::tangle::Tangle;
 use self::walk::{Boundary, LEFT_SIDE, Walk};
 use crate::count::Program;
 use crate::edge::{Outlines, Side};
 use crate::run::{Lines, Run};
-use crate::sweep::Sweep;
+use crate::sweep::{Loose, Scanline, Sweep};
 
 /// A picture ready to be swept.
 #[derive(Clone, Debug)]
@@ -35,8 +40,12 @@ pub struct Cost {
     pub counted: u64,
     /// Scanlines that repeat the one above without any work.
     pub repeated: u64,
+    /// Scanlines counted without order, by columns.
+    pub tangled: u64,
     /// Crossings counted.
     pub toggles: u64,
+    /// Crossings on counted scanlines whose part of the line was known from the scanline above.
+    pub known: u64,
     /// Largest number of active edges.
     pub peak_active: u64,
 }
@@ -46,10 +55,27 @@ impl Cost {
     pub fn add(&mut self, other: &Cost) {
         self.counted += other.counted;
         self.repeated += other.repeated;
+        self.tangled += other.tangled;
         self.toggles += other.toggles;
+        self.known += other.known;
         self.peak_active = self.peak_active.max(other.peak_active);
     }
 }
+
+/// Fewer edges are always kept in order.
+const FEW: usize = 256;
+
+/// Lines for which order is kept after it was given up in vain.
+const PATIENCE: u32 = 64;
+
+/// Lines one behind the other on which order has to cost too much before it is given up.
+const DOUBT: u32 = 2;
+
+/// About what an edge in order costs on a line, a crossing that is counted, and a place by which an edge is moved: in nanoseconds on the machine
+/// of docs/performance.md, where [`Tangle::cost`] was measured too.
+const STEP: usize = 3;
+const COUNT: usize = 8;
+const MOVE: usize = 2;
 
 /// No ink.
 const PAPER: u32 = u32::MAX;
@@ -60,6 +86,14 @@ pub struct Rows {
     picture: Arc<Picture>,
     sweep: Sweep<Side>,
     walk: Walk,
+    /// Made when it is needed, if it can be.
+    tangle: Option<Option<Tangle>>,
+    /// Whether the sweep keeps no order.
+    loose: bool,
+    /// Lines until order is given up, counted down from [`DOUBT`] while it costs too much; above that it is not tried.
+    patience: u32,
+    /// Crossings counted on the last counted line in order.
+    toggles: usize,
     runs: Vec<Run>,
     cost: Cost,
 }
@@ -67,25 +101,89 @@ pub struct Rows {
 impl Rows {
     /// The rows `rows` of a picture.
     pub fn new(picture: Arc<Picture>, rows: Range<u32>) -> Rows {
-        Rows { sweep: Sweep::new(rows), walk: Walk::new(&picture), runs: Vec::new(), cost: Cost::default(), picture }
+        Rows {
+            sweep: Sweep::new(rows),
+            walk: Walk::new(&picture),
+            tangle: None,
+            loose: false,
+            patience: DOUBT,
+            toggles: 0,
+            runs: Vec::new(),
+            cost: Cost::default(),
+            picture,
+        }
     }
 
     /// The next row or rows; `None` behind the last. Rows that follow each other may be equal.
     #[expect(clippy::should_implement_trait, reason = "the rows are lent, not given")]
     pub fn next(&mut self) -> Option<Lines<'_>> {
-        let scanline = self.sweep.next(&self.picture.outlines.edges)?;
-        if scanline.changed {
-            self.cost.counted += 1;
-            self.cost.peak_active = self.cost.peak_active.max(self.sweep.list().len() as u64);
-            self.cost.toggles += if self.sweep.is_renumbered() {
-                self.walk.whole(&self.picture, &self.sweep)
-            } else {
-                self.walk.changes(&self.picture, &self.sweep, scanline.y)
-            };
+        let (y, n) = if self.loose { self.next_loose()? } else { self.next_ordered()? };
+        Some(Lines { y, n, runs: &self.runs })
+    }
+
+    fn next_ordered(&mut self) -> Option<(u32, u32)> {
+        let Scanline { y, n, changed } = self.sweep.next(&self.picture.outlines.edges)?;
+        self.cost.repeated += u64::from(n - 1);
+        if changed {
+            let renumbered = self.sweep.is_renumbered();
+            self.count(renumbered, y);
         }
-        self.cost.repeated += u64::from(scanline.n - 1);
         self.emit();
-        Some(Lines { y: scanline.y, n: scanline.n, runs: &self.runs })
+        if changed && self.tangled() {
+            self.sweep.loosen();
+            self.loose = true;
+        }
+        Some((y, n))
+    }
+
+    /// A row without order, or if it may not differ from the one above the first in order again.
+    fn next_loose(&mut self) -> Option<(u32, u32)> {
+        let Loose { y, changed } = self.sweep.next_loose(&self.picture.outlines.edges)?;
+        let (positions, sides) = (self.sweep.positions(), self.sweep.tags());
+        // With fewer edges even counting all of them in order is no dearer.
+        let pays = |tangle: &&mut Tangle| tangle.cost(positions.len()) <= (STEP + COUNT) * positions.len();
+        if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(|tangle| changed && pays(tangle)) {
+            tangle.runs(&self.picture, positions, sides, &mut self.runs);
+            self.cost.counted += 1;
+            self.cost.tangled += 1;
+            self.cost.toggles += positions.len() as u64;
+            self.cost.peak_active = self.cost.peak_active.max(positions.len() as u64);
+        } else {
+            self.sweep.tighten();
+            self.loose = false;
+            self.patience = PATIENCE;
+            self.count(true, y);
+            self.emit();
+        }
+        Some((y, 1))
+    }
+
+    /// Whether order costs more than it saves: on this line, and on the one above.
+    fn tangled(&mut self) -> bool {
+        let (edges, toggles, moved) = (self.sweep.list().len(), self.toggles, self.sweep.moved());
+        if self.patience > DOUBT {
+            self.patience -= 1;
+            return false;
+        }
+        // Without a count on most of the line there is nothing to be saved.
+        if edges < FEW || toggles * 4 < edges {
+            self.patience = DOUBT;
+            return false;
+        }
+        let tangle = self.tangle.get_or_insert_with(|| Tangle::new(&self.picture));
+        let Some(tangle) = tangle else { return false };
+        let ordered = STEP * edges + COUNT * toggles + MOVE * moved;
+        self.patience = if tangle.cost(edges) * 5 < ordered * 4 { self.patience.saturating_sub(1) } else { DOUBT };
+        self.patience == 0
+    }
+
+    fn count(&mut self, whole: bool, y: u32) {
+        let edges = self.sweep.list().len();
+        self.toggles = if whole { self.walk.whole(&self.picture, &self.sweep) } else { self.walk.changes(&self.picture, &self.sweep, y) };
+        self.cost.counted += 1;
+        self.cost.toggles += self.toggles as u64;
+        self.cost.known += (edges - self.toggles) as u64;
+        self.cost.peak_active = self.cost.peak_active.max(edges as u64);
     }
 
     /// The runs of the row that was given last.

@@ -69,7 +69,7 @@ impl Walk {
     }
 
     /// Counts the whole list. Gives the number of crossings counted.
-    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> u64 {
+    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let new = sweep.list();
         self.boundaries.clear();
         self.windings.behind.resize(sweep.tags().len(), 0);
@@ -80,11 +80,11 @@ impl Walk {
             i = line.group(i);
         }
         self.finish(picture, sweep);
-        new.len() as u64
+        sweep.list().len()
     }
 
     /// Counts what differs from the line that was counted last, the one above `y` with the edges that have entered and left since. Gives the number of crossings counted.
-    pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>, y: u32) -> u64 {
+    pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>, y: u32) -> usize {
         let (new, old, sides) = (sweep.list(), &self.list, sweep.tags());
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
         std::mem::swap(&mut self.boundaries, &mut self.before);
@@ -150,7 +150,7 @@ impl Walk {
             }
         }
         self.finish(picture, sweep);
-        counted as u64
+        counted
     }
 
     /// Takes the counters back to the left side, and keeps the list.

@@ -1,6 +1,6 @@
 //! The active list: which edges a scanline meets, in the order of their columns ("CSG" in ARCHITECTURE.md, section 2.1.2).
 //!
-//! What is stepped stands apart from what is ordered. An active chain has a *slot* for as long as it is active; the list holds slots in order of
+//! What is stepped stands apart ([`Slots`]) from what is ordered: the list holds slots in order of
 //! columns, each with a mark where it shares its column with the one before:
 //!
 //! ```text
@@ -9,15 +9,18 @@
 //!   step    0.5   0  -1.0  0.1
 //! ```
 //!
-//! Stepping goes along the slots and moves nothing else; an edge that takes the place of another changes its slot; only crossings and chains
-//! that enter or leave touch the list.
+//! Only crossings and chains that enter or leave touch the list.
+//!
+//! Where most edges cross many others on every scanline, order is dear and says nothing. Then a sweep can be *loose*: it keeps the slots alone, and those who
+//! count have to look at columns ([`Sweep::loosen`]).
 //!
 //! Cost of a scanline: an addition, a look-up and two comparisons for every active edge; a scanline on which all of them are vertical costs
 //! nothing until one enters or leaves.
 
 use std::ops::Range;
 
-use super::{Edge, Edges};
+use super::Edges;
+use super::slots::Slots;
 use crate::line;
 
 /// What a sweep has come to.
@@ -28,6 +31,15 @@ pub struct Scanline {
     /// It and the `n - 1` below have the same edges in the same columns.
     pub n: u32,
     /// Whether edges entered or left since the scanline before, or their order, or which of them share a column. True on the first.
+    pub changed: bool,
+}
+
+/// What a loose sweep has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Loose {
+    /// The scanline.
+    pub y: u32,
+    /// Whether edges entered or left since the scanline before, or some of them certainly crossed.
     pub changed: bool,
 }
 
@@ -52,18 +64,6 @@ impl Entry {
     }
 }
 
-/// What is rarely looked at of an active chain.
-#[derive(Clone, Copy, Debug)]
-struct Active {
-    /// Index of its edge, and behind the last of its chain.
-    edge: u32,
-    end: u32,
-    /// The scanline on which it entered the list.
-    since: u32,
-    /// Whether it has ended.
-    ended: bool,
-}
-
 /// A sweep over a range of scanlines: the active list, and where it stands. The edges are lent to each call, so that a suspended sweep is only its list.
 #[derive(Clone, Debug)]
 pub struct Sweep<T> {
@@ -72,24 +72,11 @@ pub struct Sweep<T> {
     /// The first chain that has not entered.
     entry: usize,
 
-    /// By slot: positions and steps of [`line::Line::parts`].
-    at: Vec<u64>,
-    steps: Vec<u64>,
-    /// By slot: the scanline behind the last of the edge; `u32::MAX` if the slot is free.
-    until: Vec<u32>,
-    actives: Vec<Active>,
-    tags: Vec<T>,
-    free: Vec<u32>,
-    /// Slots whose chains ended on this scanline, with their columns on the one above. They are free from the next on.
-    ended: Vec<(u32, u32)>,
-
+    slots: Slots<T>,
     list: Vec<Entry>,
     columns: Vec<u32>,
-
-    /// How many active edges are not vertical.
-    moving: usize,
-    /// The first scanline at which an active edge has ended.
-    leave: u32,
+    /// By how many places edges were moved on this scanline.
+    moved: usize,
     started: bool,
     /// Whether slots were given new numbers on this scanline.
     renumbered: bool,
@@ -107,17 +94,10 @@ impl<T: Copy> Sweep<T> {
         Sweep {
             rows,
             entry: 0,
-            at: Vec::new(),
-            steps: Vec::new(),
-            until: Vec::new(),
-            actives: Vec::new(),
-            tags: Vec::new(),
-            free: Vec::new(),
-            ended: Vec::new(),
+            slots: Slots::new(),
             list: Vec::new(),
             columns: Vec::new(),
-            moving: 0,
-            leave: u32::MAX,
+            moved: 0,
             started: false,
             renumbered: false,
         }
@@ -135,17 +115,17 @@ impl<T: Copy> Sweep<T> {
 
     /// Tags by slot; those of free slots mean nothing.
     pub fn tags(&self) -> &[T] {
-        &self.tags
+        &self.slots.tags
     }
 
     /// Whether the chain in a slot entered on this scanline.
     pub fn has_entered(&self, slot: usize, y: u32) -> bool {
-        self.actives[slot].since == y
+        self.slots.actives[slot].since == y
     }
 
     /// Whether the chain in a slot, which was active on the scanline above, has ended.
     pub fn has_ended(&self, slot: usize) -> bool {
-        self.actives[slot].ended
+        self.slots.actives[slot].ended
     }
 
     /// Whether slots have other numbers than on the scanline above; so it is on the first.
@@ -161,7 +141,7 @@ impl<T: Copy> Sweep<T> {
         }
         self.renumbered = !self.started;
         let changed = if self.started { self.advance(edges, y) } else { self.start(edges, y) };
-        let n = if self.moving > 0 { 1 } else { self.leave.min(edges.first(self.entry)).min(self.rows.end) - y };
+        let n = if self.slots.moving > 0 { 1 } else { self.slots.leave.min(edges.first(self.entry)).min(self.rows.end) - y };
         self.rows.start = y + n;
         debug_assert!(self.check(y));
         Some(Scanline { y, n, changed })
@@ -169,100 +149,63 @@ impl<T: Copy> Sweep<T> {
 
     /// Whether the list is what it should be at scanline `y`.
     fn check(&self, y: u32) -> bool {
+        let slots = &self.slots;
         let active = || self.list.iter().map(|entry| entry.slot());
-        let placed = self.columns.iter().zip(active()).all(|(&column, slot)| column == line::column(self.at[slot]));
+        let placed = self.columns.iter().zip(active()).all(|(&column, slot)| column == slots.column(slot));
         let tie = |i: usize| i > 0 && self.columns[i] == self.columns[i - 1];
         let ties = self.list.iter().enumerate().all(|(i, entry)| entry.is_tied() == tie(i));
-        let leave = active().map(|slot| self.until[slot]).min().unwrap_or(u32::MAX);
-        let moving = active().filter(|&slot| self.steps[slot] != 0).count();
-        let free = self.at.len() - self.list.len() == self.free.len() + self.ended.len();
-        self.columns.is_sorted() && placed && ties && leave == self.leave && leave > y && moving == self.moving && free
+        let leave = active().map(|slot| slots.until[slot]).min().unwrap_or(u32::MAX);
+        let moving = active().filter(|&slot| slots.steps[slot] != 0).count();
+        let free = slots.len() - self.list.len() == slots.free.len() + slots.ended.len();
+        self.columns.is_sorted() && placed && ties && leave == slots.leave && leave > y && moving == slots.moving && free
     }
 
     /// Fills the list for the first scanline.
     fn start(&mut self, edges: &Edges<T>, y: u32) -> bool {
         self.started = true;
         self.entry = edges.entry(y);
-        for chain in edges.straddling(y) {
-            let (edge, line) = edges.edge_at(chain, y);
-            self.occupy(
-                y,
-                Active { edge, end: chain.end, since: y, ended: false },
-                line.parts(),
-                edges.edges[edge as usize].last,
-                chain.tag,
-            );
-        }
-        self.list = (0..self.at.len() as u32).map(Entry).collect();
-        self.columns = self.at.iter().map(|&at| line::column(at)).collect();
-        self.sort();
+        edges.straddling(y).for_each(|chain| _ = self.slots.occupy(edges, chain, y));
+        self.order();
         self.enter(edges, y);
         self.tie();
         true
     }
 
+    /// Makes the list anew from the slots, none of which is free.
+    fn order(&mut self) {
+        self.list = (0..self.slots.len() as u32).map(Entry).collect();
+        self.columns = self.slots.at.iter().map(|&at| line::column(at)).collect();
+        self.sort();
+    }
+
     /// From the scanline before to `y`. True if anything but columns changed.
     fn advance(&mut self, edges: &Edges<T>, y: u32) -> bool {
-        self.free.extend(self.ended.drain(..).map(|(slot, _)| slot));
-        let moved = self.moving > 0;
-        if moved {
-            self.at.iter_mut().zip(&self.steps).for_each(|(at, step)| *at = at.wrapping_add(*step));
-        }
-        let replaced = y >= self.leave && self.replace(edges, y);
-        let left = !self.ended.is_empty();
+        let moved = self.slots.step();
+        let replaced = self.slots.replace(edges, y);
+        let left = !self.slots.ended.is_empty();
         if left {
             self.remove();
         }
         let ordered = !(moved || replaced) || self.place();
+        self.moved = 0;
         if !ordered {
             self.settle();
         }
         let entered = self.enter(edges, y);
         // Not in the expression: tie() also renews the ties.
         let parted = self.tie();
-        if left && self.at.len() > 4 * self.list.len() + SPARE {
+        if left && self.slots.len() > 4 * self.list.len() + SPARE {
             self.renumber();
         }
         left || entered || !ordered || parted
     }
 
-    /// Puts the next edges of their chains in the place of those that have ended, and notes the chains that have. True if an edge was replaced.
-    fn replace(&mut self, edges: &Edges<T>, y: u32) -> bool {
-        let mut replaced = false;
-        let mut leave = u32::MAX;
-        for (block, start) in self.until.chunks_mut(16).zip((0..).step_by(16)) {
-            if block.iter().fold(false, |any, &until| any | (until <= y)) {
-                for (until, slot) in block.iter_mut().zip(start..).filter(|(until, _)| **until <= y) {
-                    let active = &mut self.actives[slot];
-                    let (at, step) = (&mut self.at[slot], &mut self.steps[slot]);
-                    self.moving -= usize::from(*step != 0);
-                    if active.edge + 1 < active.end {
-                        active.edge += 1;
-                        let Edge { last, line } = edges.edges[active.edge as usize];
-                        *until = last;
-                        (*at, *step) = line.parts();
-                        self.moving += usize::from(*step != 0);
-                        replaced = true;
-                    } else {
-                        active.ended = true;
-                        *until = u32::MAX;
-                        self.ended.push((slot as u32, line::column(at.wrapping_sub(*step))));
-                        *step = 0;
-                    }
-                }
-            }
-            leave = block.iter().fold(leave, |leave, &until| leave.min(until));
-        }
-        self.leave = leave;
-        replaced
-    }
-
     /// Takes the chains that have ended out of the list, whose columns are still those of the scanline above.
     fn remove(&mut self) {
-        if self.ended.len() * HALVING > self.list.len() {
+        if self.slots.ended.len() * HALVING > self.list.len() {
             let mut kept = 0;
             for i in 0..self.list.len() {
-                let ended = self.actives[self.list[i].slot()].ended;
+                let ended = self.slots.actives[self.list[i].slot()].ended;
                 (self.list[kept], self.columns[kept]) = (self.list[i], self.columns[i]);
                 kept += usize::from(!ended);
             }
@@ -275,7 +218,7 @@ impl<T: Copy> Sweep<T> {
             let place = self.list[start..].iter().position(|entry| entry.slot() == slot as usize);
             start + place.expect("what was active is in the list, in its column")
         };
-        let mut places: Vec<usize> = self.ended.iter().map(place).collect();
+        let mut places: Vec<usize> = self.slots.ended.iter().map(place).collect();
         places.sort_unstable();
         let (mut to, mut from) = (0, 0);
         for place in places {
@@ -295,7 +238,7 @@ impl<T: Copy> Sweep<T> {
         let mut before = 0;
         let mut ordered = true;
         for (column, entry) in self.columns.iter_mut().zip(&self.list) {
-            *column = line::column(self.at[entry.slot()]);
+            *column = self.slots.column(entry.slot());
             ordered &= before <= *column;
             before = *column;
         }
@@ -318,6 +261,7 @@ impl<T: Copy> Sweep<T> {
                 to -= 1;
             }
             (self.columns[to], self.list[to]) = (column, entry);
+            self.moved += i - to;
             match budget.checked_sub(i - to) {
                 Some(left) => budget = left,
                 None => {
@@ -347,9 +291,7 @@ impl<T: Copy> Sweep<T> {
         self.list.resize(old + entering.len(), Entry(0));
         self.columns.resize(old + entering.len(), 0);
         for (i, chain) in entering.iter().enumerate().rev() {
-            let Edge { last, line } = edges.edges[chain.start as usize];
-            let active = Active { edge: chain.start, end: chain.end, since: y, ended: false };
-            let slot = self.occupy(y, active, line.parts(), last, chain.tag);
+            let slot = self.slots.occupy(edges, chain, y);
             // Many that enter are found by passing all, few by halving.
             let place = if entering.len() * HALVING > self.list.len() {
                 self.columns[..old].iter().rposition(|&other| other <= chain.column).map_or(0, |place| place + 1)
@@ -362,24 +304,6 @@ impl<T: Copy> Sweep<T> {
             (self.list[place + i], self.columns[place + i]) = (Entry(slot), chain.column);
         }
         true
-    }
-
-    /// Gives a chain a slot.
-    fn occupy(&mut self, y: u32, active: Active, (at, step): (u64, u64), until: u32, tag: T) -> u32 {
-        debug_assert!(until > y);
-        self.moving += usize::from(step != 0);
-        self.leave = self.leave.min(until);
-        if let Some(slot) = self.free.pop() {
-            let i = slot as usize;
-            (self.at[i], self.steps[i], self.until[i], self.actives[i], self.tags[i]) = (at, step, until, active, tag);
-            return slot;
-        }
-        self.at.push(at);
-        self.steps.push(step);
-        self.until.push(until);
-        self.actives.push(active);
-        self.tags.push(tag);
-        self.at.len() as u32 - 1
     }
 
     /// Renews the ties; true if one formed or parted, of edges that were in the list before.
@@ -401,14 +325,58 @@ impl<T: Copy> Sweep<T> {
     /// Numbers the slots in the order of the list, without the free ones.
     fn renumber(&mut self) {
         self.renumbered = true;
-        let slots: Vec<usize> = self.list.iter().map(|entry| entry.slot()).collect();
-        self.at = slots.iter().map(|&slot| self.at[slot]).collect();
-        self.steps = slots.iter().map(|&slot| self.steps[slot]).collect();
-        self.until = slots.iter().map(|&slot| self.until[slot]).collect();
-        self.actives = slots.iter().map(|&slot| self.actives[slot]).collect();
-        self.tags = slots.iter().map(|&slot| self.tags[slot]).collect();
-        self.free.clear();
-        self.ended.clear();
+        self.slots.renumber(&self.list.iter().map(|entry| entry.slot()).collect::<Vec<_>>());
         self.list.iter_mut().zip(0..).for_each(|(entry, slot)| entry.0 = entry.0 & TIED | slot);
+    }
+
+    /// By how many places edges were moved in the list on this scanline to restore its order.
+    pub fn moved(&self) -> usize {
+        self.moved
+    }
+
+    /// Gives up the order from the next scanline on.
+    pub fn loosen(&mut self) {
+        self.renumber();
+        self.list.clear();
+        self.columns.clear();
+    }
+
+    /// Goes to the next scanline without order. `None` behind the last.
+    pub fn next_loose(&mut self, edges: &Edges<T>) -> Option<Loose> {
+        let y = self.rows.start;
+        if y >= self.rows.end {
+            return None;
+        }
+        self.rows.start += 1;
+        self.slots.step();
+        self.slots.replace(edges, y);
+        let left = !self.slots.ended.is_empty();
+        self.slots.close_gaps();
+        let entering = edges.entering(self.entry, y);
+        self.entry += entering.len();
+        entering.iter().for_each(|chain| _ = self.slots.occupy(edges, chain, y));
+        Some(Loose { y, changed: left || !entering.is_empty() || self.has_crossed(y) })
+    }
+
+    /// Whether two edges certainly stand in another order than on the scanline above. Neighbours by slot are looked at: in a tangle some of them have crossed.
+    fn has_crossed(&self, y: u32) -> bool {
+        let slots = &self.slots;
+        let order = |slot: usize| {
+            let above = slots.column_above(slot, y)?.cmp(&slots.column_above(slot + 1, y)?);
+            Some(above != slots.column(slot).cmp(&slots.column(slot + 1)))
+        };
+        (1..slots.len()).any(|slot| order(slot - 1) == Some(true))
+    }
+
+    /// Positions of the active edges of a loose sweep, by slot; [`line::column`] reads them.
+    pub fn positions(&self) -> &[u64] {
+        &self.slots.at
+    }
+
+    /// Puts a loose sweep in order again, on the scanline where it stands.
+    pub fn tighten(&mut self) {
+        self.order();
+        self.tie();
+        self.renumbered = true;
     }
 }

@@ -19,8 +19,9 @@
 //! It starts at any scanline.
 
 mod active;
+mod slots;
 
-pub use active::{Entry, Scanline, Sweep};
+pub use active::{Entry, Loose, Scanline, Sweep};
 
 use crate::line::Line;
 
@@ -133,7 +134,11 @@ impl<T: Copy> Edges<T> {
     }
 
     /// The edge of a chain that is active on a scanline, and its line there.
+    #[inline]
     fn edge_at(&self, chain: &Chain<T>, row: u32) -> (u32, Line) {
+        if row == chain.first {
+            return (chain.start, self.edges[chain.start as usize].line);
+        }
         let (start, end) = (chain.start as usize, chain.end as usize);
         let edge = start + self.edges[start..end].partition_point(|edge| edge.last <= row);
         let first = if edge == start { chain.first } else { self.edges[edge - 1].last };

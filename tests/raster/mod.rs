@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-use runset::encode::{self, Encode};
+use runset::encode::{self, Encode, Strip};
 use runset::run::{Header, Lines, Rgb, Run};
 
 /// SplitMix64: the same numbers from the same seed, everywhere.
@@ -97,6 +97,37 @@ impl Raster {
         encoder.end(&mut out);
         bytes.append(&mut out);
         bytes
+    }
+
+    /// Writes it in strips, cut where the format likes it or at random, as threads do: parts by other writers, the rest by the raster's own.
+    pub fn encode_in_parts(&self, format: &str, rng: &mut Rng) -> Vec<u8> {
+        let (mut out, mut at) = (Vec::new(), 0);
+        let mut encoder = encoder(format, &self.header);
+        let mut others = [(); 2].map(|()| self::encoder(format, &self.header));
+        encoder.begin(&mut out);
+        while at < self.rows.len() {
+            let y = self.header.lines.start + at as u32;
+            let most = encoder.strip_lines() - y % encoder.strip_lines();
+            let to = self.rows.len().min(at + if rng.below(2) == 0 { most } else { 1 + rng.below(most) } as usize);
+            let mut strip = Strip::default();
+            while at < to {
+                let equal = self.rows[at..to].iter().take_while(|row| **row == self.rows[at]).count();
+                let n = if rng.below(4) == 0 { 1 } else { equal };
+                strip.push(Lines { y: self.header.lines.start + at as u32, n: n as u32, runs: &runs(&self.rows[at]) });
+                at += n;
+            }
+            let mut bytes = Vec::new();
+            let part = others[rng.below(2) as usize].part(&strip, &mut bytes);
+            assert_eq!(part.lines.is_empty(), bytes.is_empty(), "{format}");
+            strip.within(strip.lines().start..part.lines.start).for_each(|lines| encoder.lines(lines, &mut out));
+            if !part.lines.is_empty() {
+                encoder.join(&part, &mut out);
+                out.append(&mut bytes);
+            }
+            strip.within(part.lines.end..strip.lines().end).for_each(|lines| encoder.lines(lines, &mut out));
+        }
+        encoder.end(&mut out);
+        out
     }
 }
 
