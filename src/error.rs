@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use memchr::{memchr_iter, memrchr};
+
 /// A place in a text: line and column, both from 1, columns counted in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
@@ -20,8 +22,8 @@ impl Place {
     /// Bytes that are not UTF-8 count as one character each.
     pub fn of_byte(text: &[u8], offset: usize) -> Place {
         let before = &text[..offset.min(text.len())];
-        let start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+        let start = memrchr(b'\n', before).map_or(0, |i| i + 1);
+        let line = memchr_iter(b'\n', before).count() + 1;
         let column = String::from_utf8_lossy(&before[start..]).chars().count() + 1;
         Place { line: u32::try_from(line).unwrap_or(u32::MAX), column: u32::try_from(column).unwrap_or(u32::MAX) }
     }

@@ -10,7 +10,9 @@ use runset::job::{Info, Job, More, Options, Size, info};
 use runset::scene::{Limits, Scene};
 
 /// What is seen of a document: its ids, its warnings without their places, its picture, and each id's area.
-fn seen(text: &str, threads: usize) -> Result<(Info, Vec<String>, Vec<Vec<u8>>), String> {
+type Seen = (Info, Vec<String>, Vec<Vec<u8>>);
+
+fn seen(text: &str, threads: usize) -> Result<Seen, String> {
     let options = Options { size: Size::Scale(2.7), limits: Limits { threads, ..Limits::default() }, ..Options::default() };
     let mut warnings = Vec::new();
     let scene = runset::input::read(text.as_bytes().to_vec(), &options.limits, &mut warnings).map_err(|e| e.what)?;

@@ -29,18 +29,20 @@ pub fn read(bytes: Vec<u8>, limits: &Limits, warnings: &mut Vec<Warning>) -> Res
 /// # Errors
 /// The document is not what it should be, or past a limit. `warnings` receives what is drawn but not supported.
 pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let bytes = if bytes.starts_with(GZIP) { gunzip(&bytes, limits)? } else { bytes };
+    let mut bytes = if bytes.starts_with(GZIP) { gunzip(bytes, limits)? } else { bytes };
     if bytes.len() as u64 > limits.input {
         return Err(too_large(limits));
     }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    match text.trim_ascii_start() {
-        [b'{', ..] => scene::read(text, limits, warnings),
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    match bytes.trim_ascii_start() {
+        [b'{', ..] => scene::read(&bytes, limits, warnings),
         // "<" with a zero byte beside it is UTF-16 without its mark.
         [0xfe, 0xff, ..] | [0xff, 0xfe, ..] | [b'<', 0, ..] | [0, b'<', ..] => {
             Err(Error::input(Kind::Malformed, "the document is UTF-16: save it as UTF-8"))
         }
-        [b'<', ..] => svg::read(text, limits, fonts, warnings),
+        [b'<', ..] => svg::read(bytes, limits, fonts, warnings),
         start if start.starts_with(&lines::RLS) => {
             Err(Error::input(Kind::Malformed, "this is a line stream, not a drawing: read it with runset convert"))
         }
@@ -54,9 +56,10 @@ pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut 
 /// How gzipped data begin.
 const GZIP: &[u8] = b"\x1f\x8b";
 
-fn gunzip(bytes: &[u8], limits: &Limits) -> Result<Vec<u8>> {
+#[expect(clippy::needless_pass_by_value, reason = "it is not needed any more")]
+fn gunzip(bytes: Vec<u8>, limits: &Limits) -> Result<Vec<u8>> {
     let mut text = Vec::new();
-    let mut within = flate2::bufread::MultiGzDecoder::new(bytes).take(limits.input.saturating_add(1));
+    let mut within = flate2::bufread::MultiGzDecoder::new(&*bytes).take(limits.input.saturating_add(1));
     match within.read_to_end(&mut text) {
         _ if text.len() as u64 > limits.input => Err(too_large(limits)),
         Ok(_) => Ok(text),

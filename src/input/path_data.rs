@@ -24,9 +24,11 @@ pub(super) fn parse(text: &str, limit: u64) -> Result<Path, Fault> {
     let mut scanner = Scanner::new(text);
     let mut pen = Pen::<false>::new(text);
     let mut segments = 0;
-    while let Some(command) = scanner.command().map_err(|stop| fault(text, stop))? {
+    while let Some(command) = scanner.command() {
         segments += 1;
-        pen.draw(command, &mut scanner).map_err(|stop| fault(text, stop))?;
+        if pen.draw(command, &mut scanner).is_none() {
+            break;
+        }
         if !pen.finite {
             let what = format!("segment {segments} leaves the range of 64-bit numbers: use smaller coordinates");
             return Err(Fault { character: None, what, limit: false });
@@ -36,7 +38,7 @@ pub(super) fn parse(text: &str, limit: u64) -> Result<Path, Fault> {
             return Err(Fault { character: None, what, limit: true });
         }
     }
-    Ok(pen.end())
+    scanner.stop.map_or_else(|| Ok(pen.end()), |stop| Err(fault(text, stop)))
 }
 
 /// A path as `usvg` reads it.
@@ -51,21 +53,22 @@ pub(super) struct Single {
 pub(super) fn parse_single(text: &str) -> Option<Single> {
     let mut scanner = Scanner::new(text);
     let mut pen = Pen::<true>::new(text);
-    let whole = loop {
-        match scanner.command() {
-            Ok(Some(b'A' | b'a')) => return None,
-            Ok(Some(command)) if pen.draw(command, &mut scanner).is_ok() => {}
-            end => break end == Ok(None),
+    while let Some(command) = scanner.command() {
+        if matches!(command, b'A' | b'a') {
+            return None;
+        }
+        if pen.draw(command, &mut scanner).is_none() {
+            break;
         }
         if !pen.finite {
             return None;
         }
-    };
+    }
     if pen.moved {
         pen.begin();
     }
     let path = pen.end();
-    (path.verbs().len() > 1).then_some(Single { path, plain: scanner.plain && whole })
+    (path.verbs().len() > 1).then_some(Single { path, plain: scanner.plain && scanner.stop.is_none() })
 }
 
 /// The control point that a smooth curve reflects.
@@ -98,12 +101,12 @@ impl<const SINGLE: bool> Pen<SINGLE> {
         Pen { path, at: [0.0; 2], start: [0.0; 2], control: Control::None, closed: true, moved: false, finite: true }
     }
 
-    /// Draws a segment.
-    fn draw(&mut self, command: u8, scanner: &mut Scanner<'_>) -> Result<(), Stop> {
+    /// Draws a segment, if its numbers are there.
+    fn draw(&mut self, command: u8, scanner: &mut Scanner<'_>) -> Option<()> {
         let at = self.at;
         let relative = command.is_ascii_lowercase();
         let place = |x: f64, y: f64| if relative { [at[0] + x, at[1] + y] } else { [x, y] };
-        let mut point = || Ok::<Point, Stop>(place(scanner.number()?, scanner.number()?));
+        let mut point = || Some(place(scanner.number()?, scanner.number()?));
         let control = std::mem::replace(&mut self.control, Control::None);
         match command.to_ascii_lowercase() {
             b'l' => {
@@ -167,7 +170,7 @@ impl<const SINGLE: bool> Pen<SINGLE> {
                 self.closed = true;
             }
         }
-        Ok(())
+        Some(())
     }
 
     fn begin(&mut self) {
@@ -178,6 +181,7 @@ impl<const SINGLE: bool> Pen<SINGLE> {
         }
     }
 
+    #[inline]
     fn line(&mut self, p: Point) {
         self.begin();
         let held = self.held(p);

@@ -17,7 +17,7 @@ pub(super) enum Stop {
     End,
 }
 
-/// Reads path data from front to back.
+/// Reads path data from front to back. What is not there is `None`; then [`Scanner::stop`] says why, but for the end behind a whole segment.
 pub(super) struct Scanner<'t> {
     text: &'t str,
     bytes: &'t [u8],
@@ -25,6 +25,8 @@ pub(super) struct Scanner<'t> {
     command: Option<u8>,
     /// Whether all numbers so far are below 10^18 and written without an exponent.
     pub(super) plain: bool,
+    /// What ended the reading before the end of the data.
+    pub(super) stop: Option<Stop>,
 }
 
 /// Powers of ten that a double holds exactly.
@@ -33,59 +35,66 @@ const POWERS: [f64; 23] =
 
 impl<'t> Scanner<'t> {
     pub(super) fn new(text: &'t str) -> Scanner<'t> {
-        Scanner { text, bytes: text.as_bytes(), at: 0, command: None, plain: true }
+        Scanner { text, bytes: text.as_bytes(), at: 0, command: None, plain: true, stop: None }
     }
 
     /// The command of the next segment, written or implied; none at the end.
-    pub(super) fn command(&mut self) -> Result<Option<u8>, Stop> {
+    pub(super) fn command(&mut self) -> Option<u8> {
         self.skip_spaces();
-        let Some(byte) = self.peek() else { return Ok(None) };
+        let byte = self.peek()?;
         match (byte, self.command) {
             (b'M' | b'm', _) => {}
-            (_, None) => return Err(Stop::Start(self.at)),
+            (_, None) => return self.fail(Stop::Start(self.at)),
             (
                 b'Z' | b'z' | b'L' | b'l' | b'H' | b'h' | b'V' | b'v' | b'C' | b'c' | b'S' | b's' | b'Q' | b'q' | b'T' | b't' | b'A' | b'a',
                 _,
             ) => {}
-            (_, Some(b'Z' | b'z')) => return Err(Stop::Command(self.at)),
+            (_, Some(b'Z' | b'z')) => return self.fail(Stop::Command(self.at)),
             (b'0'..=b'9' | b'.' | b'-' | b'+', Some(last)) => {
-                return Ok(Some(match last {
+                return Some(match last {
                     b'M' => b'L',
                     b'm' => b'l',
                     other => other,
-                }));
+                });
             }
-            _ => return Err(Stop::Command(self.at)),
+            _ => return self.fail(Stop::Command(self.at)),
         }
         self.at += 1;
         self.command = Some(byte);
-        Ok(self.command)
+        self.command
     }
 
     /// A number of a list.
-    pub(super) fn number(&mut self) -> Result<f64, Stop> {
+    pub(super) fn number(&mut self) -> Option<f64> {
         if self.at >= self.bytes.len() {
-            return Err(Stop::End);
+            return self.fail(Stop::End);
         }
         self.skip_spaces();
         let value = self.value()?;
         self.skip_spaces();
         self.at += usize::from(self.peek() == Some(b','));
-        Ok(value)
+        Some(value)
     }
 
     /// A flag of an arc, for which one character suffices.
-    pub(super) fn flag(&mut self) -> Result<bool, Stop> {
+    pub(super) fn flag(&mut self) -> Option<bool> {
         self.skip_spaces();
-        let set = match self.peek().ok_or(Stop::End)? {
-            b'0' => false,
-            b'1' => true,
-            _ => return Err(Stop::Command(self.at)),
+        let set = match self.peek() {
+            Some(b'0') => false,
+            Some(b'1') => true,
+            None => return self.fail(Stop::End),
+            _ => return self.fail(Stop::Command(self.at)),
         };
         self.at += 1;
         self.at += usize::from(self.peek() == Some(b','));
         self.skip_spaces();
-        Ok(set)
+        Some(set)
+    }
+
+    #[cold]
+    fn fail<T>(&mut self, stop: Stop) -> Option<T> {
+        self.stop = Some(stop);
+        None
     }
 
     fn peek(&self) -> Option<u8> {
@@ -98,7 +107,7 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    fn value(&mut self) -> Result<f64, Stop> {
+    fn value(&mut self) -> Option<f64> {
         let start = self.at;
         let negative = self.peek() == Some(b'-');
         self.at += usize::from(negative || self.peek() == Some(b'+'));
@@ -118,7 +127,7 @@ impl<'t> Scanner<'t> {
         if !exponent && (1..=19).contains(&count) && digits <= 1 << 53 {
             let value = digits as f64 / POWERS[fraction];
             self.plain &= value < 1e18;
-            return Ok(if negative { -value } else { value });
+            return Some(if negative { -value } else { value });
         }
         if exponent {
             self.at += 1;
@@ -127,8 +136,8 @@ impl<'t> Scanner<'t> {
         }
         self.plain = false;
         match self.text[start..self.at].parse() {
-            Ok(value) if f64::is_finite(value) => Ok(value),
-            _ => Err(Stop::Number(start)),
+            Ok(value) if f64::is_finite(value) => Some(value),
+            _ => self.fail(Stop::Number(start)),
         }
     }
 
@@ -179,8 +188,7 @@ mod tests {
     fn ours(text: &str) -> Read {
         let mut scanner = Scanner::new(text);
         let mut segments = Vec::new();
-        let mut segment = || {
-            let Some(command) = scanner.command()? else { return Ok(false) };
+        while let Some(command) = scanner.command() {
             let numbers = match command.to_ascii_lowercase() {
                 b'm' | b'l' | b't' => 2,
                 b'h' | b'v' => 1,
@@ -193,17 +201,13 @@ mod tests {
                 3 | 4 if numbers == 7 => scanner.flag().map(f64::from),
                 _ => scanner.number(),
             };
-            segments.push((command, (0..numbers).map(number).collect::<Result<_, Stop>>()?));
-            Ok(true)
-        };
-        let stop = loop {
-            match segment() {
-                Ok(true) => {}
-                Ok(false) => break None,
-                Err(Stop::End) => break Some(None),
-                Err(Stop::Start(at) | Stop::Command(at) | Stop::Number(at)) => break Some(Some(text[..at].chars().count() + 1)),
-            }
-        };
+            let Some(numbers) = (0..numbers).map(number).collect() else { break };
+            segments.push((command, numbers));
+        }
+        let stop = scanner.stop.map(|stop| match stop {
+            Stop::End => None,
+            Stop::Start(at) | Stop::Command(at) | Stop::Number(at) => Some(text[..at].chars().count() + 1),
+        });
         (segments, stop)
     }
 
@@ -330,7 +334,7 @@ mod tests {
             } else {
                 format!("-{whole}.{}", &fraction[..places.min(fraction.len())])
             };
-            assert_eq!(Scanner::new(&text).number().map(f64::to_bits), Ok(text.parse::<f64>().unwrap().to_bits()), "{text}");
+            assert_eq!(Scanner::new(&text).number().map(f64::to_bits), Some(text.parse::<f64>().unwrap().to_bits()), "{text}");
         }
     }
 }

@@ -50,27 +50,27 @@ pub struct Path {
 impl Path {
     /// Starts a subpath.
     pub fn move_to(&mut self, p: Point) {
-        self.push(Verb::Move, &[p]);
+        self.push(Verb::Move, [p]);
     }
 
     /// A straight line to `p`.
     pub fn line_to(&mut self, p: Point) {
-        self.push(Verb::Line, &[p]);
+        self.push(Verb::Line, [p]);
     }
 
     /// A quadratic curve with control point `c` to `p`.
     pub fn quad_to(&mut self, c: Point, p: Point) {
-        self.push(Verb::Quad, &[c, p]);
+        self.push(Verb::Quad, [c, p]);
     }
 
     /// A cubic curve with control points `c` and `d` to `p`.
     pub fn cubic_to(&mut self, c: Point, d: Point, p: Point) {
-        self.push(Verb::Cubic, &[c, d, p]);
+        self.push(Verb::Cubic, [c, d, p]);
     }
 
     /// Closes the subpath.
     pub fn close(&mut self) {
-        self.push(Verb::Close, &[]);
+        self.push(Verb::Close, []);
     }
 
     /// A closed polygon.
@@ -115,9 +115,10 @@ impl Path {
         self.points.shrink_to_fit();
     }
 
-    fn push(&mut self, verb: Verb, points: &[Point]) {
+    #[inline]
+    fn push<const N: usize>(&mut self, verb: Verb, points: [Point; N]) {
         self.verbs.push(verb);
-        self.points.extend_from_slice(points);
+        self.points.extend_from_slice(&points);
     }
 }
 

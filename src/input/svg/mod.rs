@@ -1,8 +1,8 @@
 //! SVG: what is painted, fills, strokes and text, as shapes with their ids.
 //!
 //! Four steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
-//! choke on or silently leave out; [`outlines`] reads the long outlines in its stead; [`tags`] marks those elements, and others whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
-//! it gives into shapes, areas and layers, with [`cut`] for clip paths and masks. Ids come from the XML ([`names`]), because
+//! choke on or silently leave out; [`outlines`] reads the long outlines in its stead, and [`tags`] marks their elements and others whose ids
+//! `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what it gives into shapes, areas and layers, with [`cut`] for clip paths and masks. Ids come from the XML ([`names`]), because
 //! `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on the way, each with the element's id
 //! ([`notes`]).
 //!
@@ -29,6 +29,7 @@ use std::thread;
 
 use usvg::roxmltree;
 
+use self::names::Names;
 use self::notes::Notes;
 use self::outlines::Outlines;
 use self::tags::Tags;
@@ -44,10 +45,12 @@ const STACK: usize = 64 << 20;
 /// # Errors
 /// With the place where there is one: what is not XML or not SVG, circular references, more than the limits allow, coordinates out
 /// of range.
-pub(super) fn read(bytes: &[u8], limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let text = std::str::from_utf8(bytes)
-        .map_err(|e| Error::input(Kind::Malformed, "the document is not UTF-8: save it as UTF-8").at_byte(bytes, e.valid_up_to()))?;
-    markup::check(text, limits)?;
+pub(super) fn read(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let what = "the document is not UTF-8: save it as UTF-8";
+        Error::input(Kind::Malformed, what).at_byte(e.as_bytes(), e.utf8_error().valid_up_to())
+    })?;
+    markup::check(&text, limits)?;
     thread::scope(|scope| {
         let reader = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || document(text, limits, fonts, warnings));
         let reader = reader.map_err(|e| Error::input(Kind::Io, format!("no thread to read the SVG on: {e}")))?;
@@ -56,8 +59,9 @@ pub(super) fn read(bytes: &[u8], limits: &Limits, fonts: &Fonts, warnings: &mut 
     })
 }
 
-fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let xml = parsed(text)?;
+/// What is no longer needed goes as soon as it can: the text before the walk, and before `usvg` where that gets another.
+fn document(text: String, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
+    let xml = parsed(&text)?;
     let root = xml.root_element();
     if !is_svg(root) || root.tag_name().name() != "svg" {
         let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
@@ -71,13 +75,23 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     outside::note(&xml, &styles, &mut notes);
     let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
     drop((styles, outlines));
-    let scene = if let Some((text, tags)) = tagged {
+    let (drawing, names, tags) = if let Some((rewritten, tags)) = tagged {
+        notes.find_places(&text);
         drop(xml);
-        resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)?
+        drop(text);
+        let xml = parsed(&rewritten)?;
+        (resolved(&xml, fonts)?, Names::read(&xml, &mut notes), tags)
     } else {
-        resolved(&xml, &Tags::default(), limits, fonts, &mut notes)?
+        let names = Names::read(&xml, &mut notes);
+        notes.find_places(&text);
+        let drawing = resolved(&xml, fonts)?;
+        drop(xml);
+        drop(text);
+        (drawing, names, Tags::default())
     };
-    warnings.append(&mut notes.warnings(text));
+    let walked = tree::walk(&drawing, &tags, limits, &mut notes)?;
+    let scene = names.give(walked, limits)?;
+    warnings.append(&mut notes.warnings());
     Ok(scene)
 }
 
@@ -86,11 +100,9 @@ fn parsed(text: &str) -> Result<roxmltree::Document<'_>> {
     roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(text, &e))
 }
 
-/// The scene of a document that has been looked through.
-fn resolved(xml: &roxmltree::Document<'_>, tags: &Tags, limits: &Limits, fonts: &Fonts, notes: &mut Notes) -> Result<Scene> {
-    let drawing = usvg::Tree::from_xmltree(xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))?;
-    let walked = tree::walk(&drawing, tags, limits, notes)?;
-    names::add(walked, xml, limits, notes)
+/// A document that has been looked through, with its styles, units and references resolved.
+fn resolved(xml: &roxmltree::Document<'_>, fonts: &Fonts) -> Result<usvg::Tree> {
+    usvg::Tree::from_xmltree(xml, &options_of_usvg(fonts)).map_err(|e| svg_error(&e))
 }
 
 /// Options under which `usvg` opens no file but the given fonts', and draws no image.

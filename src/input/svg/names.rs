@@ -14,37 +14,61 @@ use crate::error::{Error, Kind, Result};
 use crate::run::Rgb;
 use crate::scene::{Area, Formula, Limits, Named, Scene};
 
-/// Gives the areas of a walked drawing the ids of the document.
-pub(super) fn add(walked: Walked<'_>, xml: &Document<'_>, limits: &Limits, notes: &mut Notes) -> Result<Scene> {
-    let Walked { mut scene, mut drawn, paints } = walked;
-    let everything = Drawn { area: scene.art, paints: 0..paints.len(), more: Vec::new() };
-    if let Some(id) = attribute(xml.root_element(), "id") {
-        drawn.insert(id, everything);
-    }
-    let nothing = scene.formula.any(&[]);
-    let mut changes = vec![0; paints.len()];
-    for i in 1..paints.len() {
-        changes[i] = changes[i - 1] + u32::from(paints[i].1 != paints[i - 1].1);
-    }
-    let mut depths: Vec<u32> = Vec::new();
-    let mut twice = HashSet::new();
-    for node in xml.descendants() {
-        let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + u32::from(named(p).is_some()));
-        depths.push(depth);
-        let Some(id) = named(node) else { continue };
-        let (area, shapes, ink) = match drawn.get(id) {
-            Some(drawn) => (whole(drawn, &mut scene.formula), shapes(drawn, &paints), ink(drawn, &paints, &changes)),
-            None => (nothing, Vec::new(), None),
-        };
-        let kind = kind(node.tag_name().name());
-        if !scene.add_name(Named { id: id.to_owned(), kind, area, shapes, ink, depth }) && twice.insert(id) {
-            notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
+/// The ids of a document; of equal ones the first.
+pub(super) struct Names {
+    names: Vec<Name>,
+    /// The id of the root, which stands for everything.
+    root: Option<String>,
+}
+
+struct Name {
+    id: String,
+    kind: &'static str,
+    depth: u32,
+}
+
+impl Names {
+    /// Reads them. Of an id that stands more than once there is a note.
+    pub(super) fn read(xml: &Document<'_>, notes: &mut Notes) -> Names {
+        let mut names = Vec::new();
+        let mut depths: Vec<u32> = Vec::new();
+        let (mut once, mut twice) = (HashSet::new(), HashSet::new());
+        for node in xml.descendants() {
+            let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + u32::from(named(p).is_some()));
+            depths.push(depth);
+            let Some(id) = named(node) else { continue };
+            if once.insert(id) {
+                names.push(Name { id: id.to_owned(), kind: kind(node.tag_name().name()), depth });
+            } else if twice.insert(id) {
+                notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
+            }
         }
-        if (scene.names().len() + scene.shapes.len()) as u64 > limits.nodes {
+        Names { names, root: attribute(xml.root_element(), "id").map(str::to_owned) }
+    }
+
+    /// Gives the areas of a walked drawing these names.
+    pub(super) fn give(self, walked: Walked<'_>, limits: &Limits) -> Result<Scene> {
+        let Walked { mut scene, mut drawn, paints } = walked;
+        if let Some(id) = &self.root {
+            drawn.insert(id, Drawn { area: scene.art, paints: 0..paints.len(), more: Vec::new() });
+        }
+        let nothing = scene.formula.any(&[]);
+        let mut changes = vec![0; paints.len()];
+        for i in 1..paints.len() {
+            changes[i] = changes[i - 1] + u32::from(paints[i].1 != paints[i - 1].1);
+        }
+        if (self.names.len() + scene.shapes.len()) as u64 > limits.nodes {
             return Err(Error::input(Kind::Limit, format!("more than {} shapes and ids: split the drawing", limits.nodes)));
         }
+        for Name { id, kind, depth } in self.names {
+            let (area, shapes, ink) = match drawn.get(&*id) {
+                Some(drawn) => (whole(drawn, &mut scene.formula), shapes(drawn, &paints), ink(drawn, &paints, &changes)),
+                None => (nothing, Vec::new(), None),
+            };
+            scene.add_name(Named { id, kind, area, shapes, ink, depth });
+        }
+        Ok(scene)
     }
-    Ok(scene)
 }
 
 /// All the places where an element is drawn, as one area.

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use usvg::roxmltree::{Document, Node};
 
 use super::{attribute, href, is_svg};
-use crate::error::{Places, Warning};
+use crate::error::{Place, Places, Warning};
 use crate::scene::quoted;
 
 /// Gathers warnings.
@@ -15,6 +15,8 @@ pub(super) struct Notes {
     /// Where the element begins that a note is about, if that is known.
     notes: Vec<(Option<usize>, String)>,
     given: HashSet<(String, String)>,
+    /// The places of bytes, in the text's order.
+    places: Vec<(usize, Place)>,
 }
 
 /// An element in a message: by its id, or by the nearest ancestor that has one.
@@ -47,7 +49,7 @@ impl Notes {
         let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
         let mut starts = HashMap::new();
         ids.for_each(|(id, start)| _ = starts.entry(id.to_owned()).or_insert(start));
-        let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new() };
+        let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new(), places: Vec::new() };
         notes.look(xml);
         notes
     }
@@ -65,14 +67,20 @@ impl Notes {
         }
     }
 
-    /// The warnings in the order of the document, those without a place behind the others.
-    pub(super) fn warnings(mut self, text: &str) -> Vec<Warning> {
-        self.notes.sort_by_key(|(start, _)| start.unwrap_or(usize::MAX));
+    /// Finds the places of all elements with ids and of what is noted already: from here on the text is not needed.
+    pub(super) fn find_places(&mut self, text: &str) {
+        let mut bytes: Vec<usize> = self.starts.values().copied().chain(self.notes.iter().filter_map(|note| note.0)).collect();
+        bytes.sort_unstable();
+        bytes.dedup();
         let mut places = Places::new(text.as_bytes());
-        let warning = |(start, what): (Option<usize>, String)| {
-            let place = start.map(|byte| places.of_byte(byte));
-            Warning { place, ..Warning::input(what) }
-        };
+        self.places = bytes.into_iter().map(|byte| (byte, places.of_byte(byte))).collect();
+    }
+
+    /// The warnings in the order of the document, those without a place behind the others.
+    pub(super) fn warnings(mut self) -> Vec<Warning> {
+        self.notes.sort_by_key(|(start, _)| start.unwrap_or(usize::MAX));
+        let place = |byte| self.places.binary_search_by_key(&byte, |place| place.0).ok().map(|i| self.places[i].1);
+        let warning = |(start, what): (Option<usize>, String)| Warning { place: start.and_then(place), ..Warning::input(what) };
         self.notes.into_iter().map(warning).collect()
     }
 
