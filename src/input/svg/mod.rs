@@ -22,7 +22,9 @@ mod references;
 mod style;
 mod tags;
 mod text;
+mod transform;
 mod tree;
+mod unsupported;
 
 use std::thread;
 
@@ -61,11 +63,11 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
         let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
-    let styles = references::check(&xml, limits)?;
-    numbers::check(&xml)?;
+    let (styles, missing) = references::check(&xml, limits)?;
+    numbers::check(&xml, &styles)?;
     text::check(&xml)?;
-    let mut notes = Notes::read(&xml);
-    outside::note(&xml, &styles, &mut notes);
+    let mut notes = Notes::read(&xml, &styles);
+    outside::note(&xml, &styles, &missing, &mut notes);
     let tagged = tags::rewrite(&xml, &styles, &mut notes);
     drop(styles);
     let scene = if let Some((text, tags)) = tagged {

@@ -1,4 +1,4 @@
-//! References that lead out of the document: never followed, each named in a warning with the element that makes it.
+//! References that lead out of the document, or nowhere in it: never followed, each named in a warning with the element that makes it.
 //!
 //! They stand in `href`, in the `url()` of a property, whether an attribute, a `style` or a rule sets it, and in the style sheets' own `@import`
 //! and `@font-face`. Links that a reader may click on (`a`), scripts and cursors draw nothing and are left alone.
@@ -6,12 +6,16 @@
 use usvg::roxmltree::{Document, Node};
 
 use super::notes::{Notes, element};
+use super::references::Missing;
 use super::style::Styles;
 use super::{href, is_svg};
 use crate::scene::quoted;
 
 /// Notes all of them.
-pub(super) fn note(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) {
+pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Missing<'_>, notes: &mut Notes) {
+    for (node, id) in missing.iter().filter_map(|&(node, id)| Some((xml.get_node(node)?, id))) {
+        notes.add_at(Some(node.range().start), element(node), format!("{} is not in the document", quoted(&format!("#{id}"))));
+    }
     for node in xml.root().children() {
         let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };
         add(node, "the style sheet ", pi.value.unwrap_or_default(), notes);
@@ -47,6 +51,8 @@ fn note_sheet(node: Node<'_, '_>, text: &str, notes: &mut Notes) {
         if keyword.starts_with("import") {
             let target = rule[6..].split(';').next().unwrap_or_default();
             add(node, "the style sheet ", urls(target).next().unwrap_or(string(target, ' ')), notes);
+        } else if keyword.starts_with("media") {
+            notes.add_at(Some(node.range().start), element(node), "rules under @media are not applied");
         } else if keyword == "font-face" {
             let block = rule.split('}').next().unwrap_or_default();
             urls(block).filter(|url| !url.starts_with("data:")).for_each(|url| add(node, "the font ", url, notes));

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! and the true opacity is kept beside it. Parts of a `text` are marked in the same way by the opacity of their fill and of their stroke.
-//! Attributes of other namespaces that `usvg` would take for SVG's own, such as `s:id`, get a name that means nothing.
+//! Transforms with units, which only style sheets know, are written out as matrices. Attributes of other namespaces that `usvg` would take for SVG's own, such as `s:id`, get a name that means nothing.
 //! A document in which no id would be lost is left as it is. The document is rewritten as text by insertions alone, once.
 //!
 //! Rejected: writing `use` out as groups, which means doing again what `usvg` does with symbols, viewports, percentages and inherited
@@ -22,7 +22,7 @@ use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
 use super::notes::{Element, Notes};
 use super::style::Styles;
-use super::{attribute, href, is_svg};
+use super::{attribute, href, is_svg, transform};
 
 /// Most tags: serial numbers are exact in the 24 bits of an opacity.
 const TAGS: usize = 1 << 23;
@@ -82,7 +82,7 @@ struct Around {
 }
 
 /// The document with tags, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) -> Option<(String, Tags)> {
+pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, notes: &mut Notes) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
@@ -104,6 +104,9 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
         around.push(here);
         if !fixed {
             node.attributes().filter(is_mistaken).for_each(|a| text.disguise(a));
+        }
+        if let Some([a, b, c, d, e, f]) = Some(node).filter(|_| !fixed).and_then(|node| foreign_transform(node, styles)) {
+            text.style(node, &format!("transform:matrix({a} {b} {c} {d} {e} {f})!important;"));
         }
         if fixed || !is_svg(node) || node == root {
             continue;
@@ -139,11 +142,11 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes
             // Inherited, unlike the opacity of an element.
             let opacity = |property| node.ancestors().find_map(|n| styles.opacity(n, property)).unwrap_or(1.0);
             (tag.opacity, tag.stroke_opacity) = (opacity("fill-opacity"), opacity("stroke-opacity"));
-            text.style(node, format!("fill-opacity:{value:e}!important;stroke-opacity:{value:e}!important;"));
+            text.style(node, &format!("fill-opacity:{value:e}!important;stroke-opacity:{value:e}!important;"));
             around[node.id().get_usize()].part = serial;
         } else if is_drawn(name) {
             tag.opacity = styles.opacity(node, "opacity").unwrap_or(1.0);
-            text.style(node, format!("opacity:{value:e}!important;"));
+            text.style(node, &format!("opacity:{value:e}!important;"));
         } else {
             continue;
         }
@@ -182,6 +185,12 @@ fn sets_markers(node: Node<'_, '_>, styles: &Styles<'_>) -> bool {
 /// The attribute `id` of an element of SVG.
 fn id<'a, 'i>(node: Node<'a, 'i>) -> Option<Attribute<'a, 'i>> {
     node.attributes().find(|a| a.namespace().is_none() && a.name() == "id" && !a.value().is_empty()).filter(|_| is_svg(node))
+}
+
+/// The transform that an element's style declares, if `usvg` does not understand it.
+fn foreign_transform<'a>(node: Node<'a, '_>, styles: &Styles<'a>) -> Option<[f64; 6]> {
+    let declared = styles.declaration(node, "transform").filter(|t| is_svg(node) && t.parse::<svgtypes::Transform>().is_err())?;
+    transform::matrix(declared)
 }
 
 /// Whether an attribute is not SVG's, but looks so to `usvg`: it takes any name of these namespaces for SVG's own, and for some looks at the
@@ -233,11 +242,13 @@ struct Insertions<'t> {
     blank: String,
     /// Whether they stand for a namespace.
     prefixed: bool,
+    /// Which insertion was the last `style` attribute.
+    styled: Option<usize>,
 }
 
 impl<'t> Insertions<'t> {
     fn new(text: &'t str) -> Insertions<'t> {
-        Insertions { text, insertions: Vec::new(), blank: String::new(), prefixed: false }
+        Insertions { text, insertions: Vec::new(), blank: String::new(), prefixed: false, styled: None }
     }
 
     /// A name, or a piece of one, that the document does not have.
@@ -262,12 +273,18 @@ impl<'t> Insertions<'t> {
         self.insertions.push((attribute.range_qname().end, suffix));
     }
 
-    /// Puts declarations before those of an element's style.
-    fn style(&mut self, node: Node<'_, '_>, declarations: String) {
+    /// Puts declarations before those of an element's style; of one element twice at most, one after the other.
+    fn style(&mut self, node: Node<'_, '_>, declarations: &str) {
         if let Some(style) = node.attributes().find(|a| a.namespace().is_none() && a.name() == "style") {
-            self.insertions.push((style.range_value().start, declarations));
+            self.insertions.push((style.range_value().start, declarations.to_owned()));
+            return;
+        }
+        let at = self.behind_name(node);
+        if let Some(own) = self.styled.and_then(|i| self.insertions.get_mut(i)).filter(|own| own.0 == at) {
+            own.1.insert_str(own.1.len() - 1, declarations);
         } else {
-            self.insertions.push((self.behind_name(node), format!(" style=\"{declarations}\"")));
+            self.styled = Some(self.insertions.len());
+            self.insertions.push((at, format!(" style=\"{declarations}\"")));
         }
     }
 
