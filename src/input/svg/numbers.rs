@@ -34,17 +34,14 @@ pub(super) fn check<'a>(xml: &'a Document<'_>, styles: &Styles<'a>) -> Result<()
             if let Some(offset) = too_large(value) {
                 return refuse(format!("a number of more than {DIGITS} digits: SVG coordinates are 32-bit, use smaller ones"), offset);
             }
-            if let Some(own) = transform.then(|| transform::matrix(value)).flatten() {
-                if !multiply(own, &mut products, &mut under) {
-                    return refuse(TRANSFORMS.to_owned(), 0);
-                }
+            let own = transform.then(|| transform::matrix(value)).flatten();
+            if own.is_some_and(|own| !multiply(own, &mut products, &mut under)) {
+                return refuse(TRANSFORMS.to_owned(), 0);
             }
         }
-        if let Some(own) = declared.and_then(transform::matrix) {
-            if !multiply(own, &mut products, &mut under) {
-                let what = format!("{}, transform: {TRANSFORMS}", element(node).named());
-                return Err(Error::input(Kind::Refused, what).at_byte(xml.input_text().as_bytes(), node.range().start));
-            }
+        if declared.and_then(transform::matrix).is_some_and(|own| !multiply(own, &mut products, &mut under)) {
+            let what = format!("{}, transform: {TRANSFORMS}", element(node).named());
+            return Err(Error::input(Kind::Refused, what).at_byte(xml.input_text().as_bytes(), node.range().start));
         }
     }
     Ok(())
