@@ -13,25 +13,25 @@
 /// A set of integers below a fixed bound.
 #[derive(Clone, Debug)]
 pub struct BitSet {
-    /// From the members to the single word at the top.
+    /// From the members up, without the single word at the top.
     levels: Vec<Vec<u64>>,
+    top: u64,
 }
 
 impl BitSet {
     /// An empty set for members `0..bound`.
     pub fn new(bound: usize) -> BitSet {
         let mut levels = Vec::new();
-        let mut words = bound.div_ceil(64).max(1);
-        loop {
+        let mut words = bound.div_ceil(64);
+        while words > 1 {
             levels.push(vec![0; words]);
-            if words == 1 {
-                return BitSet { levels };
-            }
             words = words.div_ceil(64);
         }
+        BitSet { levels, top: 0 }
     }
 
     /// Adds a member; it may be there already.
+    #[inline]
     pub fn insert(&mut self, member: usize) {
         let mut at = member;
         for level in &mut self.levels {
@@ -39,45 +39,50 @@ impl BitSet {
             let was = *word;
             *word |= 1 << (at % 64);
             if was != 0 {
-                break;
+                return;
             }
             at /= 64;
         }
+        self.top |= 1 << (at % 64);
     }
 
     /// Removes a member; it may be absent.
+    #[inline]
     pub fn remove(&mut self, member: usize) {
         let mut at = member;
         for level in &mut self.levels {
             let word = &mut level[at / 64];
             *word &= !(1 << (at % 64));
             if *word != 0 {
-                break;
+                return;
             }
             at /= 64;
         }
+        self.top &= !(1 << (at % 64));
+    }
+
+    /// Adds a member or removes it.
+    pub fn set(&mut self, member: usize, is_in: bool) {
+        if is_in { self.insert(member) } else { self.remove(member) }
     }
 
     /// The smallest member.
+    #[inline]
     pub fn first(&self) -> Option<usize> {
         self.descend(|word| word.trailing_zeros() as usize)
     }
 
     /// The largest member.
+    #[inline]
     pub fn last(&self) -> Option<usize> {
         self.descend(|word| 63 - word.leading_zeros() as usize)
     }
 
     fn descend(&self, choose: impl Fn(u64) -> usize) -> Option<usize> {
-        let mut at = 0;
-        for level in self.levels.iter().rev() {
-            let word = level[at];
-            if word == 0 {
-                return None;
-            }
-            at = at * 64 + choose(word);
+        if self.top == 0 {
+            return None;
         }
-        Some(at)
+        Some(self.levels.iter().rev().fold(choose(self.top), |at, level| at * 64 + choose(level[at])))
     }
 }
 

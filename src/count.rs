@@ -29,7 +29,8 @@ pub enum Rule {
 }
 
 impl Rule {
-    fn holds(self, count: i32) -> bool {
+    /// Whether a node with that count holds.
+    pub fn holds(self, count: i32) -> bool {
         match self {
             Rule::AtLeast(k) => count >= k,
             Rule::NonZero => count != 0,
@@ -99,6 +100,26 @@ impl Program {
         self.links.iter().all(|&(child, parent, _)| child < parent) && self.first.len() == self.rules.len() + 1
     }
 
+    /// Number of nodes, leaves among them.
+    pub fn nodes(&self) -> usize {
+        self.rules.len()
+    }
+
+    /// The rule of a node.
+    pub fn rule(&self, node: Node) -> Rule {
+        self.rules[node as usize]
+    }
+
+    /// (child, parent, weight), each pair once, sorted by child.
+    pub fn links(&self) -> &[(Node, Node, i32)] {
+        &self.links
+    }
+
+    /// The node whose truth is output `i`.
+    pub fn output(&self, i: usize) -> Node {
+        self.outputs[i]
+    }
+
     /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.outputs.len()
@@ -127,49 +148,54 @@ impl Counters {
         counters
     }
 
-    /// Counts a crossing: `weight` is added to a leaf.
+    /// Counts a crossing: `weight` is added to a leaf. Gives its count.
     #[inline]
-    pub fn add(&mut self, leaf: Node, weight: i32) {
-        self.counts[leaf as usize] += weight;
+    pub fn add(&mut self, leaf: Node, weight: i32) -> i32 {
         self.unsettled.insert(leaf as usize);
+        let count = &mut self.counts[leaf as usize];
+        *count += weight;
+        *count
+    }
+
+    /// Gives a leaf the count that it has somewhere else on the scanline.
+    #[inline]
+    pub fn set(&mut self, leaf: Node, count: i32) {
+        if self.counts[leaf as usize] != count {
+            self.counts[leaf as usize] = count;
+            self.unsettled.insert(leaf as usize);
+        }
     }
 
     /// [`Counters::add`] and [`Counters::settle`] for a crossing that is alone in its column: while every node that flips has one parent there is
     /// nothing to be put in order.
     #[inline]
-    pub fn cross(&mut self, program: &Program, leaf: Node, weight: i32, mut flip: impl FnMut(u32, bool)) {
+    pub fn cross(&mut self, program: &Program, leaf: Node, weight: i32, mut flip: impl FnMut(u32, bool)) -> i32 {
         let (mut node, mut weight) = (leaf as usize, weight);
+        let count = self.counts[node] + weight;
         loop {
             self.counts[node] += weight;
             let holds = program.rules[node].holds(self.counts[node]);
             if holds == self.holds[node] {
-                return;
+                return count;
             }
             self.holds[node] = holds;
             if program.output_of[node] != NO_OUTPUT {
                 flip(program.output_of[node], holds);
             }
             match program.parents(node) {
-                [] => return,
+                [] => return count,
                 &[(_, parent, gain)] => {
                     node = parent as usize;
                     weight = if holds { gain } else { -gain };
                 }
                 parents => {
                     for &(_, parent, gain) in parents {
-                        self.add(parent, if holds { gain } else { -gain });
+                        let _ = self.add(parent, if holds { gain } else { -gain });
                     }
-                    return self.settle(program, flip);
+                    self.settle(program, flip);
+                    return count;
                 }
             }
-        }
-    }
-
-    /// Takes a leaf back to 0.
-    pub fn clear(&mut self, leaf: Node) {
-        if self.counts[leaf as usize] != 0 {
-            self.counts[leaf as usize] = 0;
-            self.unsettled.insert(leaf as usize);
         }
     }
 
@@ -256,13 +282,13 @@ mod tests {
                     let (leaf, weight) = (random(leaves as u64) as usize, [1, -1, 2][random(3) as usize]);
                     windings[leaf] += weight;
                     if together == 1 {
-                        counters.cross(&program, leaf as Node, weight, &mut told_of);
+                        assert_eq!(counters.cross(&program, leaf as Node, weight, &mut told_of), windings[leaf]);
                     } else {
-                        counters.add(leaf as Node, weight);
+                        assert_eq!(counters.add(leaf as Node, weight), windings[leaf]);
                     }
                 }
                 if step == 99 {
-                    (0..leaves).for_each(|leaf| counters.clear(leaf as Node));
+                    (0..leaves).for_each(|leaf| counters.set(leaf as Node, 0));
                     windings.fill(0);
                 }
                 counters.settle(&program, told_of);

@@ -23,10 +23,19 @@ pub const NEAR: f64 = (1 << 24) as f64;
 /// A point in pixels.
 pub type Point = [f64; 2];
 
+/// Rounds a coordinate in pixels, below 2^44 in size, to the nearest 1/256, ties away from zero; in 1/256 px.
+#[inline]
+pub fn steps(x: f64) -> i64 {
+    // The number below 1/2: adding 1/2 itself would round it up to 1.
+    const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
+    let x = x * SUB as f64;
+    (x + HALF.copysign(x)) as i64
+}
+
 /// Rounds a finite coordinate in pixels to the nearest 1/256, ties away from zero. The result is a multiple of 1/256, exactly
 /// (a double past 2^44 already is one).
 pub fn snap(x: f64) -> f64 {
-    if x.abs() < (1u64 << 44) as f64 { (x * SUB as f64).round() / SUB as f64 } else { x }
+    if x.abs() < (1u64 << 44) as f64 { steps(x) as f64 / SUB as f64 } else { x }
 }
 
 /// Rounds both coordinates of a point.
@@ -41,8 +50,9 @@ pub fn is_near(p: Point) -> bool {
 
 /// The first pixel whose centre is not before `x`, which is in 1/256 px: the column of a vertical edge, or the first scanline of
 /// an edge that begins there.
+#[inline]
 pub fn first_centre(x: i64) -> i64 {
-    (x - SUB / 2).div_euclid(SUB) + i64::from((x - SUB / 2).rem_euclid(SUB) != 0)
+    (x + SUB / 2 - 1) >> SUB.trailing_zeros()
 }
 
 #[cfg(test)]
@@ -56,6 +66,15 @@ mod tests {
         assert_eq!(snap(0.49 / 256.0), 0.0);
         assert_eq!(snap(1e300), 1e300);
         assert_eq!(snap((1u64 << 43) as f64 + 1.0 / 512.0), (1u64 << 43) as f64 + 1.0 / 256.0);
+        let mut seed = 1u64;
+        for _ in 0..100_000 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            // Whole and half steps, and the doubles next to them, of all sizes.
+            let half = ((seed >> 40) as f64 - 8_000_000.0) / 512.0 * 2f64.powi((seed >> 33 & 15) as i32 - 8);
+            for x in [half, half.next_up(), half.next_down()] {
+                assert_eq!(steps(x), (x * 256.0).round() as i64, "{x}");
+            }
+        }
     }
 
     #[test]

@@ -30,6 +30,7 @@ pub mod region;
 pub mod run;
 pub mod scene;
 pub mod shape;
+mod spread;
 pub mod sweep;
 
 /// The README's example, kept true.

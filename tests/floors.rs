@@ -11,7 +11,7 @@ const FLOORS: &[&[&str]] = &[
     &["region", "input", "encode"],
     &["edge", "scene"],
     &["sweep", "shape"],
-    &["grid", "line", "count", "bits", "run", "checksum", "error"],
+    &["grid", "line", "count", "bits", "run", "checksum", "error", "spread"],
 ];
 
 /// Pairs on the ground floor that may import each other in this direction.

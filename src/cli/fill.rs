@@ -1,9 +1,7 @@
 //! `runset fill`: a drawing, or an expression over its shapes, to a raster.
 
-use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
-use std::thread::available_parallelism;
 use std::time::Instant;
 
 use runset::error::{Error, Kind, Origin};
@@ -141,14 +139,10 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     let (input_name, output_name) = (source.name(), output.name().to_owned());
     let ends = Ends { input: &input_name, output: &output_name };
 
-    let options = Options {
-        expr: args.expr.clone(),
-        size: args.size.size(),
-        lines: args.lines.clone(),
-        tolerance: args.tolerance,
-        limits: Limits { input: args.limit.max_input, ..Limits::default() },
-        started,
-    };
+    let mut limits = Limits { input: args.limit.max_input, ..Limits::default() };
+    limits.threads = args.threads.map_or(limits.threads, |n| n as usize);
+    let options =
+        Options { expr: args.expr.clone(), size: args.size.size(), lines: args.lines.clone(), tolerance: args.tolerance, limits, started };
     let bytes = source.read(options.limits.input)?;
     let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();
@@ -156,9 +150,9 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
     ends.warn(&warnings, args.strict)?;
 
-    let threads = args.threads.map_or_else(|| available_parallelism().map_or(1, NonZeroUsize::get), |n| n as usize);
     let mut progress = Progress::new(&args.watch, Some(job.header().height()), output.is_terminal());
-    let stats = job.render(format, threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+    let stats =
+        job.render(format, options.limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);
     output.finish()?;
     if args.stats {

@@ -4,6 +4,7 @@ mod arc;
 mod fonts;
 pub mod lines;
 mod path_data;
+mod scan;
 mod scene;
 mod svg;
 

@@ -1,11 +1,10 @@
-//! SVG path data to a [`Path`], in 64-bit.
+//! SVG path data to a [`Path`].
 //!
-//! The text is cut by `svgtypes`; here relative commands become absolute, smooth curves get their reflected control point, arcs become
-//! cubics. Unlike in an SVG, where a path is drawn up to its first error, an error refuses the whole.
-
-use svgtypes::{PathParser, PathSegment};
+//! The text is cut by [`Scanner`]; here relative commands become absolute, smooth curves get their reflected control point, arcs become
+//! cubics, all in 64-bit. In a scene an error refuses the whole; in an SVG a path is drawn up to its first error.
 
 use super::arc::Arc;
+use super::scan::{Scanner, Stop};
 use crate::grid::Point;
 use crate::shape::Path;
 
@@ -20,13 +19,16 @@ pub(super) struct Fault {
     pub(super) limit: bool,
 }
 
-/// Reads path data. The path has at most `limit` verbs.
+/// Reads path data of a scene. The path has at most `limit` verbs.
 pub(super) fn parse(text: &str, limit: u64) -> Result<Path, Fault> {
-    let mut pen = Pen { path: Path::default(), at: [0.0; 2], start: [0.0; 2], control: Control::None, closed: true, checked: 0 };
-    for (i, segment) in PathParser::from(text).enumerate() {
-        pen.draw(segment.map_err(|e| fault(text, &e))?);
-        if !pen.finite() {
-            let what = format!("segment {} leaves the range of 64-bit numbers: use smaller coordinates", i + 1);
+    let mut scanner = Scanner::new(text);
+    let mut pen = Pen::<false>::new(text);
+    let mut segments = 0;
+    while let Some(command) = scanner.command().map_err(|stop| fault(text, stop))? {
+        segments += 1;
+        pen.draw(command, &mut scanner).map_err(|stop| fault(text, stop))?;
+        if !pen.finite {
+            let what = format!("segment {segments} leaves the range of 64-bit numbers: use smaller coordinates");
             return Err(Fault { character: None, what, limit: false });
         }
         if pen.path.verbs().len() as u64 > limit {
@@ -34,7 +36,36 @@ pub(super) fn parse(text: &str, limit: u64) -> Result<Path, Fault> {
             return Err(Fault { character: None, what, limit: true });
         }
     }
-    Ok(pen.path)
+    Ok(pen.end())
+}
+
+/// A path as `usvg` reads it.
+pub(super) struct Single {
+    /// The path; every coordinate is that of a 32-bit number.
+    pub(super) path: Path,
+    /// Whether the text has no error, and all numbers are below 10^18 and written without an exponent.
+    pub(super) plain: bool,
+}
+
+/// Reads path data of an SVG up to their first error. None if `usvg` makes nothing of them, or something else: arcs are cubics of its own.
+pub(super) fn parse_single(text: &str) -> Option<Single> {
+    let mut scanner = Scanner::new(text);
+    let mut pen = Pen::<true>::new(text);
+    let whole = loop {
+        match scanner.command() {
+            Ok(Some(b'A' | b'a')) => return None,
+            Ok(Some(command)) if pen.draw(command, &mut scanner).is_ok() => {}
+            end => break end == Ok(None),
+        }
+        if !pen.finite {
+            return None;
+        }
+    };
+    if pen.moved {
+        pen.begin();
+    }
+    let path = pen.end();
+    (path.verbs().len() > 1).then_some(Single { path, plain: scanner.plain && whole })
 }
 
 /// The control point that a smooth curve reflects.
@@ -44,79 +75,128 @@ enum Control {
     Cubic(Point),
 }
 
-struct Pen {
+/// Draws a path; with `SINGLE` its coordinates are rounded to 32-bit where they go into the path.
+struct Pen<const SINGLE: bool> {
     path: Path,
     at: Point,
     start: Point,
     control: Control,
     /// No subpath is open: the next segment that draws begins one.
     closed: bool,
-    /// How many points are known to be finite.
-    checked: usize,
+    /// The last segment was a move.
+    moved: bool,
+    /// Whether all points so far are.
+    finite: bool,
 }
 
-impl Pen {
-    fn draw(&mut self, segment: PathSegment) {
-        let base = if segment.is_abs() { [0.0; 2] } else { self.at };
-        let point = |x, y| [base[0] + x, base[1] + y];
+impl<const SINGLE: bool> Pen<SINGLE> {
+    /// A pen for a text.
+    fn new(text: &str) -> Self {
+        // An estimate: coordinates of seven characters. What is not used is given back at the end.
+        let mut path = Path::default();
+        path.reserve(text.len() / 16);
+        Pen { path, at: [0.0; 2], start: [0.0; 2], control: Control::None, closed: true, moved: false, finite: true }
+    }
+
+    /// Draws a segment.
+    fn draw(&mut self, command: u8, scanner: &mut Scanner<'_>) -> Result<(), Stop> {
+        let at = self.at;
+        let relative = command.is_ascii_lowercase();
+        let place = |x: f64, y: f64| if relative { [at[0] + x, at[1] + y] } else { [x, y] };
+        let mut point = || Ok::<Point, Stop>(place(scanner.number()?, scanner.number()?));
         let control = std::mem::replace(&mut self.control, Control::None);
-        match segment {
-            PathSegment::MoveTo { x, y, .. } => {
-                self.at = point(x, y);
+        match command.to_ascii_lowercase() {
+            b'l' => {
+                let to = point()?;
+                self.line(to);
+            }
+            b'm' => {
+                self.at = point()?;
+                self.held(self.at);
                 self.start = self.at;
                 self.closed = true;
+                self.moved = true;
             }
-            PathSegment::LineTo { x, y, .. } => self.line(point(x, y)),
-            PathSegment::HorizontalLineTo { x, .. } => self.line([base[0] + x, self.at[1]]),
-            PathSegment::VerticalLineTo { y, .. } => self.line([self.at[0], base[1] + y]),
-            PathSegment::CurveTo { x1, y1, x2, y2, x, y, .. } => self.cubic(point(x1, y1), point(x2, y2), point(x, y)),
-            PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => {
-                let first = if let Control::Cubic(c) = control { self.reflected(c) } else { self.at };
-                self.cubic(first, point(x2, y2), point(x, y));
+            b'h' => {
+                let x = scanner.number()?;
+                self.line([place(x, 0.0)[0], at[1]]);
             }
-            PathSegment::Quadratic { x1, y1, x, y, .. } => self.quad(point(x1, y1), point(x, y)),
-            PathSegment::SmoothQuadratic { x, y, .. } => {
-                let middle = if let Control::Quad(c) = control { self.reflected(c) } else { self.at };
-                self.quad(middle, point(x, y));
+            b'v' => {
+                let y = scanner.number()?;
+                self.line([at[0], place(0.0, y)[1]]);
             }
-            PathSegment::EllipticalArc { rx, ry, x_axis_rotation, large_arc, sweep, x, y, .. } => {
-                let to = point(x, y);
+            b'c' => {
+                let [c, d, to] = [point()?, point()?, point()?];
+                self.cubic(c, d, to);
+            }
+            b's' => {
+                let [d, to] = [point()?, point()?];
+                let first = if let Control::Cubic(c) = control { self.reflected(c) } else { at };
+                self.cubic(first, d, to);
+            }
+            b'q' => {
+                let [c, to] = [point()?, point()?];
+                self.quad(c, to);
+            }
+            b't' => {
+                let to = point()?;
+                let middle = if let Control::Quad(c) = control { self.reflected(c) } else { at };
+                self.quad(middle, to);
+            }
+            b'a' => {
+                let radii = [scanner.number()?, scanner.number()?];
+                let rotation = scanner.number()?;
+                let [large, sweep] = [scanner.flag()?, scanner.flag()?];
+                let to = place(scanner.number()?, scanner.number()?);
                 self.begin();
-                let arc = Arc { from: self.at, to, radii: [rx, ry], rotation: x_axis_rotation, large: large_arc, sweep };
-                arc.cubics(|c, d, p| self.path.cubic_to(c, d, p));
+                let arc = Arc { from: at, to, radii, rotation, large, sweep };
+                arc.cubics(|c, d, p| {
+                    let [c, d, p] = [c, d, p].map(|p| self.held(p));
+                    self.path.cubic_to(c, d, p);
+                });
+                self.held(to);
                 self.at = to;
             }
-            PathSegment::ClosePath { .. } => {
-                self.begin();
-                self.path.close();
+            _ => {
+                // To `usvg` a path that is closed twice is closed once.
+                if !(SINGLE && self.closed && !self.moved) {
+                    self.begin();
+                    self.path.close();
+                }
                 self.at = self.start;
                 self.closed = true;
             }
         }
+        Ok(())
     }
 
     fn begin(&mut self) {
+        self.moved = false;
         if std::mem::replace(&mut self.closed, false) {
-            self.path.move_to(self.at);
+            let at = self.held(self.at);
+            self.path.move_to(at);
         }
     }
 
     fn line(&mut self, p: Point) {
         self.begin();
-        self.path.line_to(p);
+        let held = self.held(p);
+        self.path.line_to(held);
         self.at = p;
     }
 
     fn quad(&mut self, c: Point, p: Point) {
         self.begin();
-        self.path.quad_to(c, p);
+        let held = [c, p].map(|p| self.held(p));
+        self.path.quad_to(held[0], held[1]);
         self.control = Control::Quad(c);
         self.at = p;
     }
 
     fn cubic(&mut self, c: Point, d: Point, p: Point) {
         self.begin();
-        self.path.cubic_to(c, d, p);
+        let held = [c, d, p].map(|p| self.held(p));
+        self.path.cubic_to(held[0], held[1], held[2]);
         self.control = Control::Cubic(d);
         self.at = p;
     }
@@ -125,25 +205,27 @@ impl Pen {
         [2.0 * self.at[0] - c[0], 2.0 * self.at[1] - c[1]]
     }
 
-    /// Whether all that the last segment added is finite.
-    fn finite(&mut self) -> bool {
-        let points = self.path.points();
-        let new = &points[self.checked..];
-        self.checked = points.len();
-        new.iter().chain([&self.at]).all(|p| p[0].is_finite() && p[1].is_finite())
+    /// A point as the path keeps it.
+    fn held(&mut self, p: Point) -> Point {
+        let held = if SINGLE { p.map(|v| f64::from(v as f32)) } else { p };
+        self.finite &= held[0].is_finite() & held[1].is_finite();
+        held
+    }
+
+    fn end(mut self) -> Path {
+        self.path.shrink_to_fit();
+        self.path
     }
 }
 
-fn fault(text: &str, error: &svgtypes::Error) -> Fault {
-    let (character, what) = match *error {
-        svgtypes::Error::UnexpectedData(1) => (1, "path data begin with M"),
-        svgtypes::Error::UnexpectedData(at) => {
-            (at, "expected a command (M L H V C S Q T A Z) with its numbers, or a flag 0 or 1 in an arc")
-        }
-        svgtypes::Error::InvalidNumber(at) => (at, "expected a finite number"),
-        _ => (text.chars().count() + 1, "the path data end within a command: add its numbers"),
+fn fault(text: &str, stop: Stop) -> Fault {
+    let (byte, what) = match stop {
+        Stop::Start(at) => (at, "path data begin with M"),
+        Stop::Command(at) => (at, "expected a command (M L H V C S Q T A Z) with its numbers, or a flag 0 or 1 in an arc"),
+        Stop::Number(at) => (at, "expected a finite number"),
+        Stop::End => (text.len(), "the path data end within a command: add its numbers"),
     };
-    Fault { character: Some(character), what: what.to_owned(), limit: false }
+    Fault { character: Some(text[..byte].chars().count() + 1), what: what.to_owned(), limit: false }
 }
 
 #[cfg(test)]

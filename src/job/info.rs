@@ -3,12 +3,16 @@
 use crate::edge::Placement;
 use crate::error::Result;
 use crate::grid::NEAR;
-use crate::scene::{Area, Formula, Gate, Scene};
+use crate::scene::{Area, Formula, Gate, Limits, Scene};
 use crate::shape::Shape;
 use crate::shape::flatten::Flattening;
+use crate::spread::spread;
 
 /// A user unit, 1/96 inch, in millimetres.
 const MM: f64 = 25.4 / 96.0;
+
+/// Into so many parts the shapes are cut, to be measured by several threads.
+const PARTS: usize = 64;
 
 /// What `runset info` tells of a named area.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -57,7 +61,9 @@ pub fn info(scene: &Scene) -> Result<Info> {
         })?;
         Ok((bounds, edges))
     };
-    let of_shape: Vec<(Option<[f64; 4]>, u64)> = scene.shapes.iter().map(measure).collect::<Result<_>>()?;
+    let parts: Vec<&[Shape]> = scene.shapes.chunks(scene.shapes.len().div_ceil(PARTS).max(1)).collect();
+    let measured = spread(&parts, Limits::default().threads, |part| part.iter().map(measure).collect::<Result<Vec<_>>>());
+    let of_shape: Vec<(Bounds, u64)> = measured.into_iter().collect::<Result<Vec<_>>>()?.concat();
     // Edges of all shapes before each.
     let edges_before: Vec<u64> = std::iter::once(0)
         .chain(of_shape.iter().scan(0, |sum, shape| {

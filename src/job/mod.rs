@@ -9,6 +9,7 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod gather;
 mod info;
 mod pump;
 mod render;
@@ -139,24 +140,22 @@ impl Job {
         }
 
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
-        let mut builder = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
-        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| builder.holds_page(shape));
+        let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
+        let page_alone = builder();
+        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
         let (inks, ink_of_layer) = distinct_inks(&layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
         }
-        for (shape, leaf) in leaves {
-            let shape = &scene.shapes[shape];
-            if builder.holds_page(shape) { builder.skip_rectangle() } else { builder.add(shape, leaf)? }
-        }
+        let builder = gather::edges(&scene.shapes, &leaves, options.limits.threads, builder)?;
         drop(scene);
-        let (edges, open, seen) = builder.finish();
+        let outlines = builder.finish();
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
         Ok(Job {
-            picture: Arc::new(Picture { width: page.width, edges, program, inks: ink_of_layer, open }),
+            edges: outlines.seen,
+            picture: Arc::new(Picture { width: page.width, outlines, program, inks: ink_of_layer }),
             header: Header { width: page.width, lines, inks, dpi },
             band: band_height(page.height),
-            edges: seen,
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
         })

@@ -1,8 +1,8 @@
 //! A straight line as columns: for every scanline the first pixel whose centre is not left of it, exactly.
 //!
 //! A line meets the centre of scanline `row` at `x(row) = (a + b row) / d` pixels, counted from the centre of pixel 0, with integers
-//! a, b and d > 0; its column there is `ceil(x)`. Stepping down one scanline adds `b / d`: a whole part and a remainder, in integers
-//! only ("CSG" in ARCHITECTURE.md, section 2.1.1: Bresenham's way with a trapezoid's sides). Nothing is rounded, however long the line.
+//! a, b and d > 0; its column there is `ceil(x)`. Stepping down one scanline adds `b / d` ("CSG" in ARCHITECTURE.md, section 2.1.1). Here that is
+//! one addition in fixed point, and exact all the same:
 //!
 //! ```text
 //!    column   0   1   2   3
@@ -11,101 +11,138 @@
 //!    row 2  | . | . | . \        it passes right of centre 2:       column 3
 //! ```
 //!
+//! The numerator is an integer, so `ceil(x) = floor((a + b row - 1/2) / d) + 1`, and the number whose floor is taken is never nearer than `1 / 2d`
+//! to an integer. An approximation that is off by less has the same floor. In units of 2^-43 px the start and the step are rounded to the
+//! nearest, which is off by 2^-44 px each, so on the n-th scanline by `n 2^-44` in all: less than `1 / 2d` as long as `n d < 2^43`.
+//! A [`Line`] is made for `n d <= 2^42` only. Lines that are too tall for that, leave the page at its sides, or have far ends, become several such
+//! lines in [`exact`], where the edges are built; so nothing has to be set right on the way down.
+//!
 //! A straight line stays one under every affine and projective map, so this type serves outlines, silhouettes and homogeneous
-//! edges alike. [`far`] reduces lines through points far beyond the page to this type.
+//! edges alike.
 
-pub mod far;
+// A quotient and a remainder, stepped in integers, need no bound, but three numbers and a branch; and an exact renewal on the way, every so many
+// scanlines, is one more thing that can happen to an edge. Pieces of a line that follow each other in one chain already are such renewals.
 
-use crate::grid::SUB;
+pub mod exact;
+
+use crate::grid::{SUB, first_centre};
+
+/// Bits of a column's fraction. A page's 2^20 columns and a bit for those that are wider than a page's fill the rest of 64.
+const FRACTION: u32 = 43;
+
+const ONE: f64 = (1_u64 << FRACTION) as f64;
+
+/// Most that the number of scanlines times the denominator may be.
+const BOUND: i64 = 1 << (FRACTION - 1);
 
 /// A line at one scanline, ready to step to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// `ceil(x)` at this scanline.
-    column: i32,
-    /// Whole part of `b / d`, rounded down.
-    step: i32,
-    /// How far column's centre is right of the line, in 1/d px: `column d - (a + b row)`, in `0..d`.
-    slack: i64,
-    /// `b mod d`, in `0..d`: what a step takes from the slack.
-    slope: i64,
-    /// The denominator, at most 2^42.
-    d: i64,
+    /// `(a + b row - 1/2) / d + 1` in units of 2^-43 px.
+    at: u64,
+    /// `b / d` in the same units, modulo 2^64.
+    step: u64,
 }
 
 impl Line {
-    /// The line that is at `a / d` on its first scanline and `b / d` further right on each next one.
-    /// `d` is in `1..=2^42`; columns and steps must stay within 32 bits.
-    pub fn new(a: i128, b: i128, d: i64) -> Line {
-        let wide = i128::from(d);
-        let column = a.div_euclid(wide) + i128::from(a.rem_euclid(wide) != 0);
-        let narrow = |v: i128| i32::try_from(v).expect("columns near the page fit 32 bits");
-        Line {
-            column: narrow(column),
-            step: narrow(b.div_euclid(wide)),
-            slack: i64::try_from(column * wide - a).expect("below d"),
-            slope: i64::try_from(b.rem_euclid(wide)).expect("below d"),
-            d,
+    /// The line that is at `a / d` on its first scanline and `b / d` further right on each next one, for `rows` scanlines with
+    /// `rows d` at most 2^42. On all of them the columns must be on a page: `0..=2^20`.
+    fn new(a: i64, b: i64, d: i64, rows: u32) -> Line {
+        debug_assert!(fits(d, rows));
+        if rows == 1 { Line::vertical((a.div_euclid(d) + i64::from(a.rem_euclid(d) != 0)) as u32) } else { Line::rounded(a, b, d) }
+    }
+
+    /// The same, whatever the number of scanlines.
+    #[inline]
+    fn rounded(a: i64, b: i64, d: i64) -> Line {
+        let fixed = |whole: i64, rest: f64| ((whole as u64) << FRACTION).wrapping_add(nearest(rest / d as f64 * ONE) as u64);
+        let (left, step) = (a.div_euclid(d), b.div_euclid(d));
+        Line { at: fixed(left + 1, (a - left * d) as f64 - 0.5), step: fixed(step, (b - step * d) as f64) }
+    }
+
+    /// The vertical line with this column, at most 2^20.
+    pub const fn vertical(column: u32) -> Line {
+        Line { at: ((column as u64) << FRACTION) + (1 << (FRACTION - 1)), step: 0 }
+    }
+
+    /// The line through two points in 1/256 px, `top` above `bottom`, at scanline `row`, the first of `rows` that it meets on a page of `width` columns.
+    /// None if it leaves the page at a side, or is too tall or its ends too far out for one line: see [`exact::pieces`].
+    #[inline]
+    pub fn through(top: [i64; 2], bottom: [i64; 2], row: u32, rows: u32, width: u32) -> Option<Line> {
+        let [dx, dy] = [bottom[0] - top[0], bottom[1] - top[1]];
+        if dx == 0 {
+            return Some(Line::vertical(u32::try_from(first_centre(top[0])).ok().filter(|&column| column <= width)?));
         }
-    }
-
-    /// The vertical line with this column.
-    pub fn vertical(column: i32) -> Line {
-        Line { column, step: 0, slack: 0, slope: 0, d: 1 }
-    }
-
-    /// The line through two near points in 1/256 px, `top` above `bottom`, at scanline `row`, which it meets. `rows` is the number of scanlines
-    /// that will be asked of it: on a single one its direction does not matter and it is taken as vertical.
-    pub fn through(top: [i64; 2], bottom: [i64; 2], row: u32, rows: u32) -> Line {
-        let [dx, dy] = [bottom[0] - top[0], bottom[1] - top[1]].map(i128::from);
-        let down = i128::from(i64::from(row) * SUB + SUB / 2 - top[1]);
-        let a = (i128::from(top[0]) - i128::from(SUB / 2)) * dy + down * dx;
-        let d = i64::try_from(dy).expect("near points") * SUB;
-        if dx == 0 || rows <= 1 { Line::vertical(Line::new(a, 0, d).column) } else { Line::new(a, dx * i128::from(SUB), d) }
+        // Between the ends' columns lie all others, and with ends on the page 64 bits hold every product below.
+        let on_page = |x: i64| (0..=i64::from(width)).contains(&first_centre(x));
+        let d = dy * SUB;
+        if !on_page(top[0]) || !on_page(bottom[0]) || dy > BOUND / SUB || !fits(d, rows) {
+            return None;
+        }
+        let down = i64::from(row) * SUB + SUB / 2 - top[1];
+        let a = (top[0] - SUB / 2) * dy + down * dx;
+        Some(Line::new(a, dx * SUB, d, rows))
     }
 
     /// The column at this scanline.
-    pub fn column(&self) -> i32 {
-        self.column
+    #[inline]
+    pub fn column(self) -> u32 {
+        column(self.at)
     }
 
     /// Whether the column is the same on all scanlines.
-    pub fn is_vertical(&self) -> bool {
-        self.step == 0 && self.slope == 0
+    pub fn is_vertical(self) -> bool {
+        self.step == 0
     }
 
     /// Goes down one scanline.
     #[inline]
     pub fn step(&mut self) {
-        self.column += self.step;
-        self.slack -= self.slope;
-        if self.slack < 0 {
-            self.slack += self.d;
-            self.column += 1;
-        }
+        self.at = self.at.wrapping_add(self.step);
     }
 
     /// The line `rows` scanlines further down: the same as stepping so often.
     #[must_use]
-    pub fn down(&self, rows: u32) -> Line {
-        let slack = i128::from(self.slack) - i128::from(rows) * i128::from(self.slope);
-        let d = i128::from(self.d);
-        let carry = -slack.div_euclid(d);
-        let column = i128::from(self.column) + i128::from(rows) * i128::from(self.step) + carry;
-        Line {
-            column: i32::try_from(column).expect("columns near the page fit 32 bits"),
-            slack: i64::try_from(slack + carry * d).expect("below d"),
-            ..*self
-        }
+    pub fn down(self, rows: u32) -> Line {
+        Line { at: self.at.wrapping_add(self.step.wrapping_mul(rows.into())), ..self }
     }
+
+    /// Position and step, for those who keep many lines in arrays: a step adds one to the other, modulo 2^64; [`column`] reads the position.
+    #[inline]
+    pub fn parts(self) -> (u64, u64) {
+        (self.at, self.step)
+    }
+}
+
+/// The column of a position of [`Line::parts`].
+#[inline]
+pub fn column(at: u64) -> u32 {
+    (at >> FRACTION) as u32
+}
+
+/// Whether so many scanlines of a line with this denominator are exact.
+fn fits(d: i64, rows: u32) -> bool {
+    d.checked_mul(rows.into()).is_some_and(|product| product <= BOUND)
+}
+
+/// Rounds a number below 2^50 in size to the nearest integer: by adding what pushes the fraction out of a double.
+fn nearest(x: f64) -> i64 {
+    const PUSH: f64 = (3_u64 << 51) as f64;
+    (x + PUSH).to_bits() as i64 - PUSH.to_bits() as i64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The columns by the definition, in 128-bit integers.
+    fn brute(a: i64, b: i64, d: i64, row: i64) -> i64 {
+        let (x, d) = (i128::from(a) + i128::from(b) * i128::from(row), i128::from(d));
+        i64::try_from(x.div_euclid(d) + i128::from(x.rem_euclid(d) != 0)).unwrap()
+    }
+
     /// The first pixel centre not left of the line, by trying pixels with a cross product: no division, no stepping.
-    fn brute(top: [i64; 2], bottom: [i64; 2], row: i64, guess: i64) -> i64 {
+    fn crossed(top: [i64; 2], bottom: [i64; 2], row: i64, guess: i64) -> i64 {
         let left_of_line = |i: i64| {
             let (x, y) = (i128::from(i * SUB + SUB / 2 - top[0]), i128::from(row * SUB + SUB / 2 - top[1]));
             x * i128::from(bottom[1] - top[1]) < y * i128::from(bottom[0] - top[0])
@@ -118,24 +155,6 @@ mod tests {
         i
     }
 
-    fn agrees(top: [i64; 2], bottom: [i64; 2]) {
-        let rows = crate::grid::first_centre(top[1])..crate::grid::first_centre(bottom[1]);
-        let start = rows.start.max(0);
-        if start >= rows.end {
-            return;
-        }
-        let many = u32::try_from(rows.end - start).unwrap();
-        let first = Line::through(top, bottom, u32::try_from(start).unwrap(), many);
-        let mut line = first;
-        for row in start..rows.end {
-            let share = (row * SUB + SUB / 2 - top[1]) as f64 / (bottom[1] - top[1]) as f64;
-            let guess = ((top[0] as f64 + share * (bottom[0] - top[0]) as f64 - 128.0) / 256.0).ceil() as i64;
-            assert_eq!(i64::from(line.column()), brute(top, bottom, row, guess), "{top:?} {bottom:?} row {row}");
-            assert_eq!(line, first.down(u32::try_from(row - start).unwrap()));
-            line.step();
-        }
-    }
-
     #[test]
     fn columns_are_exact_on_random_lines() {
         let mut seed = 3u64;
@@ -143,44 +162,85 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (seed >> 20) as i64 % n
         };
-        for _ in 0..3000 {
-            let size = [40, 3000, 60_000][random(3) as usize];
-            let top = [random(2 * size) - size, random(size) - size / 2];
-            agrees(top, [random(2 * size) - size, top[1] + 1 + random(size)]);
+        let (mut lines, mut tall) = (0, 0);
+        for _ in 0..4000 {
+            let size = [40, 3000, 60_000, 6_000_000][random(4) as usize];
+            let top = [random(size), random(size) - size / 2];
+            let bottom = [random(size), top[1] + 1 + random(size)];
+            let rows = crate::grid::first_centre(top[1]).max(0)..crate::grid::first_centre(bottom[1]);
+            if rows.is_empty() {
+                continue;
+            }
+            let many = u32::try_from(rows.end - rows.start).unwrap();
+            let Some(first) = Line::through(top, bottom, rows.start as u32, many, 1 << 20) else {
+                tall += 1;
+                continue;
+            };
+            let mut line = first;
+            lines += 1;
+            for row in rows.clone() {
+                let share = (row * SUB + SUB / 2 - top[1]) as f64 / (bottom[1] - top[1]) as f64;
+                let guess = ((top[0] as f64 + share * (bottom[0] - top[0]) as f64 - 128.0) / 256.0).ceil() as i64;
+                assert_eq!(i64::from(line.column()), crossed(top, bottom, row, guess), "{top:?} {bottom:?} row {row}");
+                assert_eq!(line, first.down(u32::try_from(row - rows.start).unwrap()));
+                line.step();
+            }
         }
+        assert!(lines > 2000 && tall > 0, "{lines} {tall}");
     }
 
-    /// `m` with `m a = 1 (mod n)`, by Euclid's algorithm; `a` and `n` have no common divisor.
-    fn inverse(a: i128, n: i128) -> i128 {
-        let (mut r, mut s) = ((n, a.rem_euclid(n)), (0, 1));
-        while r.1 > 0 {
-            let q = r.0 / r.1;
-            (r, s) = ((r.1, r.0 - q * r.1), (s.1, s.0 - q * s.1));
-        }
-        assert_eq!(r.0, 1);
-        s.0.rem_euclid(n)
-    }
-
-    /// Lines 70,000 scanlines tall that pass a pixel centre at 1/dy of a grid step (2e-10 px) on either side: where `m dx = near (mod dy)`, m grid steps below the top, the line is that near to a whole grid step.
-    #[test]
-    fn columns_are_exact_beside_pixel_centres() {
-        for column in [0, 1_000_000] {
-            for (dy, dx) in [(70_000 * 256 + 1, 262_147), (70_001 * 256 - 85, -1_234_567), (17_920_021, 13), (17_920_019, 180_000_001)] {
-                for near in [-1, 1] {
-                    let m = (near * inverse(dx, dy)).rem_euclid(dy);
-                    let row = i64::try_from((m - 1) / 256).unwrap();
-                    let y0 = i64::try_from(i128::from(row) * 256 + 128 - m).unwrap();
-                    let x0 = column * SUB + SUB / 2 - i64::try_from((m * dx - near) / dy).unwrap();
-                    let (top, bottom) = ([x0, y0], [x0 + i64::try_from(dx).unwrap(), y0 + i64::try_from(dy).unwrap()]);
-                    let row = u32::try_from(row).unwrap();
-                    assert_eq!(i64::from(Line::through(top, bottom, row, 2).column()), column + i64::from(near > 0));
-                    agrees(top, bottom);
-                    agrees([top[0], top[1] - 256 * 100], [bottom[0], bottom[1] - 256 * 100]);
+    /// Lines of `rows` scanlines with `rows d` about `product`, whose numerator on a late scanline is 0 or 1 modulo d: exactly on a pixel's centre, or as
+    /// little right of it as a line can be. Counts the columns that are wrong.
+    fn wrong_beside_centres(product: i64) -> (usize, usize) {
+        let mut seed = 5u64;
+        let mut random = |n: i64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 20) as i64 % n
+        };
+        let (mut wrong, mut tried) = (0, 0);
+        for rows in [2, 3, 17, 100, 1000, 5792, 20_000] {
+            for _ in 0..200 {
+                let d = product / rows - random(1000);
+                // Half a unit off the nearest step, as far as there is such a numerator.
+                let b = {
+                    let unit = d as f64 / ONE;
+                    let off = (random(1 << 20) as f64 + 0.5) * unit;
+                    if unit > 1e-3 { off.round() as i64 } else { random(d) }
+                };
+                let row = rows - 1 - random(2);
+                for near in [0, 1] {
+                    // a + b row = near + column d
+                    let a = (i128::from(near) - i128::from(b) * i128::from(row)).rem_euclid(i128::from(d)) as i64;
+                    let line = Line::rounded(a, b, d);
+                    tried += 1;
+                    wrong += usize::from(i64::from(line.down(row as u32).column()) != brute(a, b, d, row));
                 }
             }
         }
-        // Exactly through centres on every other scanline.
-        agrees([128, 128], [128 + 70_000 * 128, 128 + 70_000 * 256]);
-        agrees([256_000_128, 128], [256_000_128 - 70_000 * 128, 128 + 70_000 * 256]);
+        (wrong, tried)
+    }
+
+    #[test]
+    fn the_bound_holds_beside_pixel_centres_and_is_needed() {
+        let (wrong, tried) = wrong_beside_centres(BOUND);
+        assert_eq!((wrong, tried), (0, 2800));
+        assert!(
+            wrong_beside_centres(BOUND << 4).0 > 100,
+            "the same lines, sixteen times taller, go wrong: {:?}",
+            wrong_beside_centres(BOUND << 4)
+        );
+    }
+
+    #[test]
+    fn a_line_across_the_widest_page() {
+        let width = 1_i64 << 20;
+        for (from, to) in [(0, width), (width, 0)] {
+            let top = [from * SUB, -SUB / 2];
+            let mut line = Line::through(top, [to * SUB, 3 * SUB / 2], 0, 2, 1 << 20).unwrap();
+            assert_eq!(i64::from(line.column()), brute(256 * from - 128 + 128 * (to - from), 0, 256, 0));
+            line.step();
+            assert_eq!(i64::from(line.column()), brute(256 * to - 128, 0, 256, 0));
+        }
+        assert_eq!(Line::vertical(1 << 20).column(), 1 << 20);
     }
 }

@@ -1,5 +1,8 @@
 //! The limits of what is taken in: everything that could grow without bound has a name here.
 
+use std::num::NonZeroUsize;
+use std::thread::available_parallelism;
+
 /// Limits, checked once, at the door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -9,10 +12,12 @@ pub struct Limits {
     pub edges: u64,
     /// Shapes, names and operands of expressions together.
     pub nodes: u64,
+    /// Threads at work at once; results do not depend on them.
+    pub threads: usize,
 }
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { input: 128 << 20, edges: 200_000_000, nodes: 16_000_000 }
+        Limits { input: 128 << 20, edges: 200_000_000, nodes: 16_000_000, threads: available_parallelism().map_or(1, NonZeroUsize::get) }
     }
 }

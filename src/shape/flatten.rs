@@ -31,17 +31,17 @@ const LARGE: f64 = 655_360.0;
 pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
     let mut points = Vec::new();
     for piece in pieces(path) {
-        match piece.map(|p| affine(matrix, p)) {
+        match piece {
             Piece::Start(p) => {
                 if !points.is_empty() {
                     ring(&points)?;
                 }
                 points.clear();
-                points.push(p);
+                points.push(affine(matrix, p));
             }
-            Piece::Line(_, p) => points.push(p),
-            Piece::Cubic(cubic) => flatten(cubic, how, |_, _, p| points.push(p)),
-            Piece::Close(..) => {}
+            Piece::Lines(ends) => points.extend(ends.iter().map(|&p| affine(matrix, p))),
+            Piece::Cubic(cubic) => flatten(cubic.map(|p| affine(matrix, p)), how, |_, _, p| points.push(p)),
+            Piece::Close(_) => {}
         }
     }
     if points.is_empty() { Ok(()) } else { ring(&points) }
@@ -51,76 +51,82 @@ pub(super) fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
     [a * x + c * y + e, b * x + d * y + f]
 }
 
-/// A part of a path with all its points, where it begins included.
+/// A part of a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Piece {
+pub(super) enum Piece<'p> {
     /// A ring begins; the one before is closed.
     Start(Point),
-    Line(Point, Point),
+    /// Straight lines one behind the other, to each of these points; at least one.
+    Lines(&'p [Point]),
+    /// A curve, where it begins included.
     Cubic([Point; 4]),
-    /// Back to where the ring began.
-    Close(Point, Point),
-}
-
-impl Piece {
-    fn map(self, f: impl Fn(Point) -> Point) -> Piece {
-        match self {
-            Piece::Start(p) => Piece::Start(f(p)),
-            Piece::Line(p, q) => Piece::Line(f(p), f(q)),
-            Piece::Cubic(points) => Piece::Cubic(points.map(f)),
-            Piece::Close(p, q) => Piece::Close(f(p), f(q)),
-        }
-    }
+    /// Back to where the ring began, which is here.
+    Close(Point),
 }
 
 /// The pieces of a path; quadratic curves are raised to cubic ones. What follows a `Close` without a `Move` begins where the closed ring began.
-pub(super) fn pieces(path: &Path) -> impl Iterator<Item = Piece> {
-    let mut points = path.points().iter().copied();
-    let mut start = [0.0; 2];
-    let mut at = start;
-    let mut open = false;
-    path.verbs().iter().flat_map(move |verb| {
-        let mut take = || points.next().unwrap_or_default();
-        let mut pair = [None, None];
-        match verb {
-            Verb::Move => {
-                start = take();
-                at = start;
-                open = true;
-                pair[1] = Some(Piece::Start(at));
-            }
-            Verb::Close => {
-                pair[1] = open.then_some(Piece::Close(at, start));
-                at = start;
-                open = false;
-            }
-            _ => {
-                if !open {
-                    open = true;
-                    pair[0] = Some(Piece::Start(at));
-                }
-                let from = at;
-                pair[1] = Some(match verb {
-                    Verb::Quad => {
-                        let (c, to) = (take(), take());
-                        at = to;
-                        let third = |p: Point| [0, 1].map(|i| p[i] / 3.0 + c[i] * (2.0 / 3.0));
-                        Piece::Cubic([from, third(from), third(to), to])
-                    }
-                    Verb::Cubic => {
-                        let (c, d, to) = (take(), take(), take());
-                        at = to;
-                        Piece::Cubic([from, c, d, to])
-                    }
-                    _ => {
-                        at = take();
-                        Piece::Line(from, at)
-                    }
-                });
-            }
+pub(super) fn pieces(path: &Path) -> impl Iterator<Item = Piece<'_>> {
+    Pieces { verbs: path.verbs(), points: path.points(), start: [0.0; 2], at: [0.0; 2], open: false }
+}
+
+struct Pieces<'p> {
+    verbs: &'p [Verb],
+    points: &'p [Point],
+    start: Point,
+    at: Point,
+    open: bool,
+}
+
+impl<'p> Pieces<'p> {
+    /// The next verb or, as long outlines are mostly lines, run of lines, with its points.
+    fn take(&mut self, verb: Verb) -> &'p [Point] {
+        let lines = || self.verbs.iter().position(|&v| v != Verb::Line).unwrap_or(self.verbs.len());
+        let (verbs, points) = match verb {
+            Verb::Move => (1, 1),
+            Verb::Line => (lines(), lines()),
+            Verb::Quad => (1, 2),
+            Verb::Cubic => (1, 3),
+            Verb::Close => (1, 0),
+        };
+        self.verbs = &self.verbs[verbs..];
+        let taken;
+        (taken, self.points) = self.points.split_at(points);
+        taken
+    }
+}
+
+impl<'p> Iterator for Pieces<'p> {
+    type Item = Piece<'p>;
+
+    fn next(&mut self) -> Option<Piece<'p>> {
+        let mut verb = *self.verbs.first()?;
+        while verb == Verb::Close && !self.open {
+            self.take(verb);
+            self.at = self.start;
+            verb = *self.verbs.first()?;
         }
-        pair.into_iter().flatten()
-    })
+        if !std::mem::replace(&mut self.open, true) && verb != Verb::Move {
+            return Some(Piece::Start(self.at));
+        }
+        let (from, taken) = (self.at, self.take(verb));
+        self.at = taken.last().copied().unwrap_or(self.start);
+        Some(match (verb, taken) {
+            (Verb::Move, _) => {
+                self.start = self.at;
+                Piece::Start(self.at)
+            }
+            (Verb::Quad, &[c, to]) => {
+                let third = |p: Point| [0, 1].map(|i| p[i] / 3.0 + c[i] * (2.0 / 3.0));
+                Piece::Cubic([from, third(from), third(to), to])
+            }
+            (Verb::Cubic, &[c, d, to]) => Piece::Cubic([from, c, d, to]),
+            (Verb::Close, _) => {
+                self.open = false;
+                Piece::Close(self.start)
+            }
+            _ => Piece::Lines(taken),
+        })
+    }
 }
 
 /// Hands the points of a curve behind its first to `vertex`, each with a cubic and the part of it that the edge to the point stands for.
@@ -128,8 +134,9 @@ pub(super) fn flatten(cubic: [Point; 4], how: &Flattening, mut vertex: impl FnMu
     if !cubic.as_flattened().iter().all(|v| v.is_finite()) {
         return vertex(&cubic, 0.0..1.0, cubic[3]);
     }
-    let mut stack = vec![cubic];
-    while let Some(cubic) = stack.pop() {
+    // Most curves are not halved: the stack takes no memory until one is.
+    let (mut next, mut stack) = (Some(cubic), Vec::new());
+    while let Some(cubic) = next.take().or_else(|| stack.pop()) {
         if beside(&cubic, &how.window) {
             vertex(&cubic, 0.0..1.0, cubic[3]);
         } else if size(&cubic) > LARGE * how.tolerance {

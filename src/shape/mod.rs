@@ -9,6 +9,8 @@ mod stroke;
 
 pub use stroke::DASHES;
 
+use std::sync::Arc;
+
 use self::flatten::Flattening;
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
@@ -99,6 +101,18 @@ impl Path {
     /// The points, in the order in which the verbs take them.
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// Makes room for so many more verbs of one point each.
+    pub(crate) fn reserve(&mut self, verbs: usize) {
+        self.verbs.reserve(verbs);
+        self.points.reserve(verbs);
+    }
+
+    /// Gives back the room that is not used.
+    pub(crate) fn shrink_to_fit(&mut self) {
+        self.verbs.shrink_to_fit();
+        self.points.shrink_to_fit();
     }
 
     fn push(&mut self, verb: Verb, points: &[Point]) {
@@ -193,8 +207,8 @@ pub enum Cap {
 pub struct Shape {
     /// For messages: the id of the element, or what stands for it.
     pub name: String,
-    /// The outline.
-    pub path: Path,
+    /// The outline; a fill and a stroke share it, and all places where an element is drawn.
+    pub path: Arc<Path>,
     /// Which windings are inside; of a stroke [`FillRule::NonZero`].
     pub rule: FillRule,
     /// If there is one, the shape is this line along the path and not its inside.
@@ -205,8 +219,8 @@ pub struct Shape {
 
 impl Shape {
     /// A path filled by the nonzero rule where it stands.
-    pub fn new(name: impl Into<String>, path: Path) -> Shape {
-        Shape { name: name.into(), path, rule: FillRule::NonZero, stroke: None, transform: Transform::IDENTITY }
+    pub fn new(name: impl Into<String>, path: impl Into<Arc<Path>>) -> Shape {
+        Shape { name: name.into(), path: path.into(), rule: FillRule::NonZero, stroke: None, transform: Transform::IDENTITY }
     }
 
     /// Hands the rings of the outline under `transform` to `ring`, as points in pixels, not closed by a repeated point. A ring has at least

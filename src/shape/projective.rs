@@ -49,9 +49,9 @@ pub(super) fn rings(path: &Path, matrix: &[f64; 9], how: &Flattening, mut ring: 
                 points.clear();
                 points.push(weigh(matrix, p));
             }
-            Piece::Line(_, p) => points.push(weigh(matrix, p)),
+            Piece::Lines(ends) => points.extend(ends.iter().map(|&p| weigh(matrix, p))),
             Piece::Cubic(cubic) => flatten(cubic.map(|p| weigh(matrix, p)), how, horizon, &mut points),
-            Piece::Close(..) => {}
+            Piece::Close(_) => {}
         }
     }
     emit(&points)

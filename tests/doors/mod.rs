@@ -79,7 +79,7 @@ fn document(bytes: &[u8]) {
 
 /// Small limits, so that a small input can pass them.
 fn limits() -> Limits {
-    Limits { input: 1 << 20, edges: 10_000, nodes: 1000 }
+    Limits { input: 1 << 20, edges: 10_000, nodes: 1000, ..Limits::default() }
 }
 
 fn told<T>(result: Result<T>, warnings: &[Warning], bytes: &[u8]) -> Option<T> {

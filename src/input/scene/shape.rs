@@ -92,7 +92,7 @@ impl<'de> Visitor<'de> for OneShape<'_, '_> {
         }
         Ok(Shape {
             name: String::new(),
-            path: path.ok_or_else(|| A::Error::custom("no outline: give rings or path"))?,
+            path: path.ok_or_else(|| A::Error::custom("no outline: give rings or path"))?.into(),
             rule: rule.unwrap_or_default(),
             stroke: None,
             transform: transform.unwrap_or(Transform::IDENTITY),

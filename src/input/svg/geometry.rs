@@ -54,5 +54,6 @@ pub(super) fn outline(path: &usvg::Path) -> Path {
             PathSegment::Close => outline.close(),
         }
     }
+    outline.shrink_to_fit();
     outline
 }

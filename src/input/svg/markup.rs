@@ -5,6 +5,8 @@
 
 use std::collections::HashMap;
 
+use memchr::{memchr, memchr_iter, memmem};
+
 use crate::error::{Error, Kind, Result};
 use crate::scene::Limits;
 
@@ -20,13 +22,14 @@ const ATTRIBUTES_OF_ONE: usize = 512;
 /// Refuses a text that is past one of the limits.
 pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
     let refuse = |what: String| Err(Error::input(Kind::Limit, what));
-    if text.matches('<').count() > MARKUP || text.matches('=').count() > ATTRIBUTES {
+    let count = |sign: u8| memchr_iter(sign, text.as_bytes()).count();
+    if count(b'<') > MARKUP || count(b'=') > ATTRIBUTES {
         return refuse(format!("more than {MARKUP} tags or {ATTRIBUTES} attributes: split the drawing"));
     }
     let mut at = 0;
-    while let Some(offset) = text[at..].find('<').map(|i| at + i) {
+    while let Some(offset) = memchr(b'<', &text.as_bytes()[at..]).map(|i| at + i) {
         let rest = &text[offset..];
-        let skip = |end: &str| rest.find(end).unwrap_or(rest.len());
+        let skip = |end: &str| memmem::find(rest.as_bytes(), end.as_bytes()).unwrap_or(rest.len());
         let length = if rest.starts_with("<!--") {
             skip("-->")
         } else if rest.starts_with("<![CDATA[") {
@@ -55,24 +58,25 @@ pub(super) fn check(text: &str, limits: &Limits) -> Result<()> {
 
 /// Length and number of attributes of the tag that `text` begins with.
 fn tag(text: &str) -> (usize, usize) {
-    let (mut quote, mut attributes) = (None, 0);
-    for (i, b) in text.bytes().enumerate() {
-        match (quote, b) {
-            (Some(q), _) if b == q => quote = None,
-            (Some(_), _) => {}
-            (None, b'"' | b'\'') => quote = Some(b),
-            (None, b'=') => attributes += 1,
-            (None, b'>') => return (i, attributes),
+    let bytes = text.as_bytes();
+    let (mut at, mut attributes) = (0, 0);
+    while let Some(&byte) = bytes.get(at) {
+        match byte {
+            b'"' | b'\'' => at += 1 + memchr(byte, &bytes[at + 1..]).unwrap_or(bytes.len() - at - 1),
+            b'=' => attributes += 1,
+            b'>' => return (at, attributes),
             _ => {}
         }
+        at += 1;
     }
-    (text.len(), attributes)
+    (bytes.len(), attributes)
 }
 
 /// Bytes that the references to entities expand to, with the look-up of each; an upper bound.
 fn entity_work(text: &str) -> u64 {
     let mut entities: HashMap<&str, (u64, &str)> = HashMap::new();
-    for (i, keyword) in text.match_indices("<!ENTITY") {
+    let keyword = "<!ENTITY";
+    for i in memmem::find_iter(text.as_bytes(), keyword) {
         let rest = text[i + keyword.len()..].trim_start();
         let (name, rest) = rest.split_at(rest.find(|c: char| c.is_whitespace() || c == '"' || c == '\'').unwrap_or(rest.len()));
         let Some(quote) = rest.trim_start().chars().next().filter(|c| matches!(c, '"' | '\'')) else { continue };

@@ -1,7 +1,7 @@
 //! SVG: what is painted, fills, strokes and text, as shapes with their ids.
 //!
 //! Four steps. [`markup`] looks at the text, [`references`] and [`numbers`] at the parsed XML, and refuse what the libraries would
-//! choke on or silently leave out; [`tags`] marks elements whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
+//! choke on or silently leave out; [`outlines`] reads the long outlines in its stead; [`tags`] marks those elements, and others whose ids `usvg` would lose; `usvg` resolves styles, units and `use`; [`tree`] walks what
 //! it gives into shapes, areas and layers, with [`cut`] for clip paths and masks. Ids come from the XML ([`names`]), because
 //! `usvg` keeps only those that stand on something drawn. What is drawn but not supported is noted on the way, each with the element's id
 //! ([`notes`]).
@@ -16,6 +16,7 @@ mod markup;
 mod names;
 mod notes;
 mod numbers;
+mod outlines;
 mod outside;
 mod parts;
 mod references;
@@ -31,6 +32,7 @@ use std::thread;
 use usvg::roxmltree;
 
 use self::notes::Notes;
+use self::outlines::Outlines;
 use self::tags::Tags;
 use crate::error::{Error, Kind, Place, Result, Warning};
 use crate::input::fonts::{self, Fonts};
@@ -64,12 +66,13 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
     let (styles, missing) = references::check(&xml, limits)?;
-    numbers::check(&xml, &styles)?;
+    let outlines = Outlines::read(&xml, limits.threads);
+    numbers::check(&xml, &styles, &outlines)?;
     text::check(&xml)?;
     let mut notes = Notes::read(&xml, &styles);
     outside::note(&xml, &styles, &missing, &mut notes);
-    let tagged = tags::rewrite(&xml, &styles, &mut notes);
-    drop(styles);
+    let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
+    drop((styles, missing, outlines));
     let scene = if let Some((text, tags)) = tagged {
         drop(xml);
         resolved(&parsed(&text)?, &tags, limits, fonts, &mut notes)?

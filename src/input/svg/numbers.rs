@@ -4,6 +4,7 @@ use usvg::roxmltree::Document;
 
 use super::geometry::{IDENTITY, product};
 use super::notes::element;
+use super::outlines::Outlines;
 use super::style::Styles;
 use super::{is_svg, transform};
 use crate::error::{Error, Kind, Result};
@@ -12,8 +13,8 @@ use crate::error::{Error, Kind, Result};
 /// transform of that size is still within 32-bit range.
 const DIGITS: i64 = 18;
 
-/// Refuses a document with such a number, or with nested transforms that multiply to one.
-pub(super) fn check<'a>(xml: &'a Document<'_>, styles: &Styles<'a>) -> Result<()> {
+/// Refuses a document with such a number, or with nested transforms that multiply to one. Outlines that have been read may be known to have none.
+pub(super) fn check<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines) -> Result<()> {
     let mut products = vec![IDENTITY];
     // For every node the index of its product.
     let mut under: Vec<u32> = Vec::new();
@@ -23,7 +24,8 @@ pub(super) fn check<'a>(xml: &'a Document<'_>, styles: &Styles<'a>) -> Result<()
         for attribute in node.attributes().filter(|a| a.namespace().is_none() && is_svg(node)) {
             let (name, value) = (attribute.name(), attribute.value());
             let transform = name == "transform" && declared.is_none();
-            if !transform && !is_geometry(name) {
+            let known = name == "d" && outlines.of(node).is_some_and(|outline| outline.plain);
+            if known || (!transform && !is_geometry(name)) {
                 continue;
             }
             let refuse = |what: String, offset: usize| {

@@ -10,19 +10,25 @@
 //! ```
 //!
 //! and the true opacity is kept beside it. Parts of a `text` are marked in the same way by the opacity of their fill and of their stroke.
-//! Transforms with units, which only style sheets know, are written out as matrices. Attributes of other namespaces that `usvg` would take for SVG's own, such as `s:id`, get a name that means nothing.
-//! A document in which no id would be lost is left as it is. The document is rewritten as text by insertions alone, once.
+//! Transforms with units, which only style sheets know, are written out as matrices. Attributes of other namespaces that `usvg` would take for
+//! SVG's own, such as `s:id`, get a name that means nothing.
+//! A document in which no id would be lost is left as it is. The document is rewritten as text, once: by insertions, and by stand-ins for long outlines
+//! ([`super::outlines`]), which are kept with the tag of their element.
 //!
 //! Rejected: writing `use` out as groups, which means doing again what `usvg` does with symbols, viewports, percentages and inherited
 //! paint, and costs a copy of the text for each use; and marks by clip paths, each of which `usvg` compares with each.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+use std::sync::Arc;
 
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
 use super::notes::{Element, Notes};
+use super::outlines::{self, Outlines};
 use super::style::Styles;
 use super::{attribute, href, is_svg, transform};
+use crate::shape::Path;
 
 /// Most tags: serial numbers are exact in the 24 bits of an opacity.
 const TAGS: usize = 1 << 23;
@@ -45,6 +51,8 @@ pub(super) struct Tag {
     pub(super) opacity: f32,
     /// For a part of a text the opacity of its stroke.
     pub(super) stroke_opacity: f32,
+    /// Its outline, if `usvg` is given a stand-in.
+    pub(super) outline: Option<Arc<Path>>,
     /// For a part of a text the serial number of the part around it; 0 if there is none.
     outer: u32,
 }
@@ -81,13 +89,13 @@ struct Around {
     part: u32,
 }
 
-/// The document with tags, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, notes: &mut Notes) -> Option<(String, Tags)> {
+/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
+pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
     let mut tags = Tags::default();
-    let mut text = Insertions::new(xml.input_text());
+    let mut text = Edits::new(xml.input_text());
     let mut around: Vec<Around> = Vec::new();
     for node in xml.descendants() {
         let mut here = node.parent().map_or(Around::default(), |p| around[p.id().get_usize()]);
@@ -123,7 +131,8 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, notes: &mu
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);
         let lost = own.is_some() != first.is_some()
             || first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
-        if (!lost && marker.is_none()) || tags.0.len() == TAGS {
+        let outline = outlines.of(node);
+        if (!lost && marker.is_none() && outline.is_none()) || tags.0.len() == TAGS {
             continue;
         }
         let id_of = |attribute: Option<Attribute<'_, '_>>| attribute.map(|a| a.value().to_owned()).unwrap_or_default();
@@ -134,6 +143,7 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, notes: &mu
             marker: id_of(marker),
             opacity: 1.0,
             stroke_opacity: 1.0,
+            outline: outline.map(|outline| outline.path.clone()),
             outer: here.part,
         };
         let serial = tags.0.len() as u32 + 1;
@@ -149,6 +159,9 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, notes: &mu
             text.style(node, &format!("opacity:{value:e}!important;"));
         } else {
             continue;
+        }
+        if let (Some(outline), Some(data)) = (outline, outlines::data(node)) {
+            text.edits.push((data.range_value(), outline.stand_in()));
         }
         tags.0.push(tag);
     }
@@ -234,10 +247,11 @@ impl<'a> Ids<'a> {
     }
 }
 
-/// A text with insertions, made from front to back.
-struct Insertions<'t> {
+/// A text with edits, made from front to back.
+struct Edits<'t> {
     text: &'t str,
-    insertions: Vec<(usize, String)>,
+    /// What takes the place of what.
+    edits: Vec<(Range<usize>, String)>,
     /// Underscores, more in a row than the document has anywhere; empty until they are needed.
     blank: String,
     /// Whether they stand for a namespace.
@@ -246,9 +260,13 @@ struct Insertions<'t> {
     styled: Option<usize>,
 }
 
-impl<'t> Insertions<'t> {
-    fn new(text: &'t str) -> Insertions<'t> {
-        Insertions { text, insertions: Vec::new(), blank: String::new(), prefixed: false, styled: None }
+impl<'t> Edits<'t> {
+    fn new(text: &'t str) -> Edits<'t> {
+        Edits { text, edits: Vec::new(), blank: String::new(), prefixed: false, styled: None }
+    }
+
+    fn insert(&mut self, at: usize, new: String) {
+        self.edits.push((at..at, new));
     }
 
     /// A name, or a piece of one, that the document does not have.
@@ -264,27 +282,27 @@ impl<'t> Insertions<'t> {
     fn rename(&mut self, id: Attribute<'_, '_>) {
         let prefix = format!("{}:", self.blank());
         self.prefixed = true;
-        self.insertions.push((id.range().start, prefix));
+        self.insert(id.range().start, prefix);
     }
 
     /// Gives an attribute a name that nobody looks for.
     fn disguise(&mut self, attribute: Attribute<'_, '_>) {
         let suffix = self.blank().to_owned();
-        self.insertions.push((attribute.range_qname().end, suffix));
+        self.insert(attribute.range_qname().end, suffix);
     }
 
     /// Puts declarations before those of an element's style; of one element twice at most, one after the other.
     fn style(&mut self, node: Node<'_, '_>, declarations: &str) {
         if let Some(style) = node.attributes().find(|a| a.namespace().is_none() && a.name() == "style") {
-            self.insertions.push((style.range_value().start, declarations.to_owned()));
+            self.insert(style.range_value().start, declarations.to_owned());
             return;
         }
         let at = self.behind_name(node);
-        if let Some(own) = self.styled.and_then(|i| self.insertions.get_mut(i)).filter(|own| own.0 == at) {
+        if let Some(own) = self.styled.and_then(|i| self.edits.get_mut(i)).filter(|own| own.0.start == at) {
             own.1.insert_str(own.1.len() - 1, declarations);
         } else {
-            self.styled = Some(self.insertions.len());
-            self.insertions.push((at, format!(" style=\"{declarations}\"")));
+            self.styled = Some(self.edits.len());
+            self.insert(at, format!(" style=\"{declarations}\""));
         }
     }
 
@@ -295,21 +313,22 @@ impl<'t> Insertions<'t> {
         start + name.unwrap_or(0)
     }
 
-    /// The new text; none if nothing was inserted.
+    /// The new text; none if nothing was edited.
     fn finish(mut self, root: Node<'_, '_>) -> Option<String> {
         if self.prefixed {
-            self.insertions.push((self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.blank)));
+            self.insert(self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.blank));
         }
-        if self.insertions.is_empty() {
+        if self.edits.is_empty() {
             return None;
         }
-        self.insertions.sort_by_key(|i| i.0);
-        let mut text = String::with_capacity(self.text.len() + self.insertions.iter().map(|i| i.1.len()).sum::<usize>());
+        self.edits.sort_by_key(|(place, _)| place.start);
+        let (removed, added) = self.edits.iter().fold((0, 0), |(removed, added), (place, new)| (removed + place.len(), added + new.len()));
+        let mut text = String::with_capacity(self.text.len() + added - removed);
         let mut from = 0;
-        for (at, inserted) in &self.insertions {
-            text.push_str(&self.text[from..*at]);
-            text.push_str(inserted);
-            from = *at;
+        for (place, new) in &self.edits {
+            text.push_str(&self.text[from..place.start]);
+            text.push_str(new);
+            from = place.end;
         }
         text.push_str(&self.text[from..]);
         Some(text)

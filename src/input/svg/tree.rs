@@ -10,6 +10,7 @@
 
 use std::collections::HashMap;
 use std::iter::Peekable;
+use std::sync::Arc;
 
 use usvg::{BlendMode, Group, MaskType, Node, PaintOrder};
 
@@ -97,6 +98,8 @@ struct Step<'t> {
     first_paint: usize,
     /// Whether a shape in it without an id of its own is its element.
     shape: bool,
+    /// The outline of the path in it, if `usvg` has a stand-in.
+    outline: Option<&'t Arc<Path>>,
     /// The clip path or mask of which this is the root.
     cutter: Option<(Cutter<'t>, Key)>,
 }
@@ -115,6 +118,7 @@ impl<'t> Step<'t> {
             first_part: 0,
             first_paint: 0,
             shape: false,
+            outline: None,
             cutter: None,
         }
     }
@@ -153,6 +157,7 @@ impl<'t> Walk<'t, '_, '_> {
             first_part: self.sink().parts.len(),
             first_paint: self.walked.paints.len(),
             shape: tag.is_some_and(|tag| tag.shape),
+            outline: tag.and_then(|tag| tag.outline.as_ref()),
             ..Step::new(group, transform, element)
         }
     }
@@ -200,8 +205,9 @@ impl<'t> Walk<'t, '_, '_> {
         }
         let element = if path.id().is_empty() && step.shape { step.element } else { element(path.id(), step.element) };
         let (first_part, first_paint) = (self.sink().parts.len(), self.walked.paints.len());
+        let outline = step.outline.map_or_else(|| Arc::new(outline(path)), Arc::clone);
         let name = if element.own { element.id.to_owned() } else { element.named() };
-        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline(path)) };
+        let shape = Shape { transform: Transform::Affine(step.transform), ..Shape::new(name, outline) };
         let fill = path.fill().map(|fill| {
             let rule = match fill.rule() {
                 usvg::FillRule::NonZero => FillRule::NonZero,

@@ -56,9 +56,9 @@ pub(super) fn rings(
                 walk.end(false)?;
                 walk.begin(p);
             }
-            Piece::Line(_, p) => walk.line(p)?,
+            Piece::Lines(ends) => ends.iter().try_for_each(|&p| walk.line(p))?,
             Piece::Cubic(cubic) => walk.curve(&cubic)?,
-            Piece::Close(_, start) => {
+            Piece::Close(start) => {
                 walk.line(start)?;
                 walk.end(true)?;
             }

@@ -1,10 +1,11 @@
-//! Lines through points far beyond the page, as lines near it: the same column on every scanline, exactly.
+//! Lines that no single [`Line`] stands for, as several: the same column on every scanline, exactly.
 //!
-//! Coordinates of a document may be any finite double, and clipping such a line at the page's border and rounding the cut would
-//! move it by a fraction of a pixel. Instead the line is replaced on the page by the lower convex hull of the pixel centres that
+//! Where a line leaves the page at a side it becomes vertical there. What is left on the page may be too tall for one [`Line`], or have ends that are
+//! not near: coordinates of a document may be any finite double, and clipping at the page's border and rounding the cut would move the line by a fraction
+//! of a pixel. Such a line is replaced on the page by the lower convex hull of the pixel centres that
 //! are not left of it: for every scanline the first such centre lies on or right of the hull, and the hull on or right of the line, so both have the
 //! same columns. The hull of a line over n scanlines has O(log n) vertices, and Euclid's algorithm finds them
-//! (compare Harvey, "Computing two-dimensional integer hulls", SIAM J. Computing 28, 1999).
+//! (compare Harvey, "Computing two-dimensional integer hulls", SIAM J. Computing 28, 1999); the denominators of its sides are their heights.
 //!
 //! ```text
 //!     x(row)  \ .   .           . centres not left of the line
@@ -13,12 +14,14 @@
 //!                \ o.           between two vertices the hull is a line with small integers
 //! ```
 //!
-//! Cost: O(log) steps in big integers a line, and only for lines with a far end.
+//! Cost: O(log) steps a line, in 128-bit integers if its ends are near, else in big ones.
 
-use num_bigint::{BigInt, Sign};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_traits::{Signed, ToPrimitive};
 
-use super::Line;
-use crate::grid::{Point, SUB};
+use super::{BOUND, Line, fits};
+use crate::grid::{Point, SUB, is_near};
 
 /// A line for the scanlines up to `last`, which is not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,33 +32,20 @@ pub struct Piece {
     pub line: Line,
 }
 
-/// The scanlines whose centres a line from `top` down to `bottom` meets, within `0..height`. Points are in pixels, snapped to 1/256.
-pub fn rows(top: Point, bottom: Point, height: u32) -> std::ops::Range<u32> {
+/// The first scanline whose centre is not above `y`, in pixels, snapped to 1/256; without any bound.
+pub fn row(y: f64) -> f64 {
     // A snapped coordinate of modest size has an exact half; one past 2^30 px is off every page anyway.
-    let row = |y: f64| (y - 0.5).ceil().clamp(0.0, f64::from(height)) as u32;
-    row(top[1])..row(bottom[1])
+    (y - 0.5).ceil()
 }
 
 /// Appends the pieces of the line from `top` down to `bottom` for `rows`, all of which it meets, with columns clamped to `0..=width`.
 /// Points are in pixels, snapped to 1/256, of any finite size.
-pub fn reduce(top: Point, bottom: Point, rows: std::ops::Range<u32>, width: u32, pieces: &mut Vec<Piece>) {
-    let line = Exact::through(top, bottom, rows.start);
-    let side = |row: u32| line.side(row - rows.start, width);
-    let mut start = rows.start;
-    while start < rows.end {
-        let here = side(start);
-        // The column is monotone in the row, so a side is left once: find where.
-        let (mut same, mut past) = (start, rows.end);
-        while past - same > 1 {
-            let middle = same + (past - same) / 2;
-            if side(middle) == here { same = middle } else { past = middle }
-        }
-        match here {
-            Side::Left => pieces.push(Piece { last: past, line: Line::vertical(0) }),
-            Side::Right => pieces.push(Piece { last: past, line: Line::vertical(i32::try_from(width).expect("a page's width")) }),
-            Side::On => line.hull(start - rows.start, past - start, past, pieces),
-        }
-        start = past;
+pub fn pieces(top: Point, bottom: Point, rows: std::ops::Range<u32>, width: u32, pieces: &mut Vec<Piece>) {
+    if is_near(top) && is_near(bottom) {
+        let steps = |x: f64| i128::from((x * SUB as f64) as i64);
+        Exact::through(top.map(steps), bottom.map(steps), rows.start).pieces(rows, width, pieces);
+    } else {
+        Exact::through(top.map(in_grid_steps), bottom.map(in_grid_steps), rows.start).pieces(rows, width, pieces);
     }
 }
 
@@ -66,33 +56,58 @@ enum Side {
     Right,
 }
 
+/// Integers that are wide enough for a line: its coordinates in 1/256 px, two of them multiplied, and a page's width.
+trait Wide: Integer + Signed + Clone + From<i64> + ToPrimitive {}
+
+impl<I: Integer + Signed + Clone + From<i64> + ToPrimitive> Wide for I {}
+
 /// `x(row) = (a + b row) / d` in pixels from the centre of pixel 0.
-struct Exact {
-    a: BigInt,
-    b: BigInt,
-    d: BigInt,
+struct Exact<I> {
+    a: I,
+    b: I,
+    d: I,
 }
 
-impl Exact {
-    fn through(top: Point, bottom: Point, row: u32) -> Exact {
-        let [x0, y0, x1, y1] = [top[0], top[1], bottom[0], bottom[1]].map(in_grid_steps);
-        let (dx, dy) = (x1 - &x0, y1 - &y0);
-        let half = SUB / 2;
-        let a = (x0 - half) * &dy + (i64::from(row) * SUB + half - y0) * &dx;
-        Exact { a, b: dx * SUB, d: dy * SUB }
+impl<I: Wide> Exact<I> {
+    /// The line through two points in 1/256 px, from scanline `row` on.
+    fn through([x0, y0]: [I; 2], [x1, y1]: [I; 2], row: u32) -> Exact<I> {
+        let [sub, half, row] = [SUB, SUB / 2, row.into()].map(I::from);
+        let (dx, dy) = (x1 - x0.clone(), y1 - y0.clone());
+        let a = (x0 - half.clone()) * dy.clone() + (row * sub.clone() + half - y0) * dx.clone();
+        Exact { a, b: dx * sub.clone(), d: dy * sub }
+    }
+
+    fn pieces(&self, rows: std::ops::Range<u32>, width: u32, pieces: &mut Vec<Piece>) {
+        let side = |row: u32| self.side(row - rows.start, width);
+        let mut start = rows.start;
+        while start < rows.end {
+            let here = side(start);
+            // The column is monotone in the row, so a side is left once: find where.
+            let (mut same, mut past) = (start, rows.end);
+            while past - same > 1 {
+                let middle = same + (past - same) / 2;
+                if side(middle) == here { same = middle } else { past = middle }
+            }
+            match here {
+                Side::Left => pieces.push(Piece { last: past, line: Line::vertical(0) }),
+                Side::Right => pieces.push(Piece { last: past, line: Line::vertical(width) }),
+                Side::On => self.on_page(start - rows.start, past - start, past, pieces),
+            }
+            start = past;
+        }
     }
 
     /// `a + b row`.
-    fn numerator(&self, row: u32) -> BigInt {
-        &self.a + &self.b * row
+    fn numerator(&self, row: u32) -> I {
+        self.a.clone() + self.b.clone() * I::from(row.into())
     }
 
     /// Where the column of a scanline falls: at most 0, at least `width`, or between.
     fn side(&self, row: u32, width: u32) -> Side {
         let x = self.numerator(row);
-        if x.sign() != Sign::Plus {
+        if !x.is_positive() {
             Side::Left
-        } else if x > &self.d * (width - 1) {
+        } else if x > self.d.clone() * I::from(i64::from(width) - 1) {
             Side::Right
         } else {
             Side::On
@@ -100,16 +115,28 @@ impl Exact {
     }
 
     /// `ceil(x)` and the slack of that centre, in 1/d px.
-    fn column(&self, row: u32) -> (i64, BigInt) {
+    fn column(&self, row: u32) -> (i64, I) {
         let x = self.numerator(row);
-        let column = -floor_div(&-&x, &self.d);
-        let slack = &column * &self.d - x;
+        let column = x.div_ceil(&self.d);
+        let slack = column.clone() * self.d.clone() - x;
         (small(&column), slack)
     }
 
-    /// The hull over `n` scanlines from `first` on, as pieces that end at `last`.
+    /// The pieces for `n` scanlines from `first` on, all on the page; they end at `last`.
+    fn on_page(&self, first: u32, n: u32, last: u32, pieces: &mut Vec<Piece>) {
+        let numbers = [&self.numerator(first), &self.b, &self.d].map(ToPrimitive::to_i64);
+        if let [Some(a), Some(b), Some(d)] = numbers
+            && fits(d, n)
+        {
+            pieces.push(Piece { last, line: Line::new(a, b, d, n) });
+        } else {
+            self.hull(first, n, last, pieces);
+        }
+    }
+
+    /// The same as a hull.
     fn hull(&self, first: u32, n: u32, last: u32, pieces: &mut Vec<Piece>) {
-        let down = |i: i64| last - n + u32::try_from(i).expect("a row of the page");
+        let start = last - n;
         let end = i64::from(n) - 1;
         let (column, slack) = self.column(first);
         let (mirror_column, mirror_slack) = self.column(first + n - 1);
@@ -117,16 +144,22 @@ impl Exact {
         let mut vertices = vec![(0, column)];
         vertices.extend(descend(slack, &self.b, &self.d, end).into_iter().map(|(i, c)| (i, column + c)));
         let mut up = vec![(end, mirror_column)];
-        up.extend(descend(mirror_slack, &-&self.b, &self.d, end).into_iter().map(|(i, c)| (end - i, mirror_column + c)));
+        up.extend(descend(mirror_slack, &-self.b.clone(), &self.d, end).into_iter().map(|(i, c)| (end - i, mirror_column + c)));
         vertices.extend(up.into_iter().rev());
         vertices.dedup();
         for pair in vertices.windows(2) {
             let (rows, columns) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
-            let line = Line::new(i128::from(pair[0].1) * i128::from(rows), i128::from(columns), rows);
-            pieces.push(Piece { last: down(pair[1].0), line });
+            // A side of the hull as tall as it is may need to be cut: it has lattice points enough only at its ends.
+            let most = (BOUND / rows).min(rows);
+            let mut done = 0;
+            while done < rows {
+                let some = most.min(rows - done);
+                let a = pair[0].1 * rows + columns * done;
+                done += some;
+                pieces.push(Piece { last: start + (pair[0].0 + done) as u32, line: Line::new(a, columns, rows, some as u32) });
+            }
         }
-        let bottom = Piece { last, line: Line::vertical(i32::try_from(mirror_column).expect("on the page")) };
-        pieces.push(bottom);
+        pieces.push(Piece { last, line: Line::vertical(mirror_column as u32) });
     }
 }
 
@@ -135,29 +168,29 @@ impl Exact {
 ///
 /// `left` and `right` are the neighbours of the slope in the Stern-Brocot tree: a step along `left` takes `fall` from the slack, one along
 /// `right` adds `rise`. The hull goes along `left` as often as the slack allows; then `left` is moved closer to the slope.
-fn descend(mut slack: BigInt, b: &BigInt, d: &BigInt, end: i64) -> Vec<(i64, i64)> {
-    let whole = floor_div(b, d);
-    let mut fall = b - &whole * d;
+fn descend<I: Wide>(mut slack: I, b: &I, d: &I, end: i64) -> Vec<(i64, i64)> {
+    let whole = b.div_floor(d);
+    let mut fall = b.clone() - whole.clone() * d.clone();
     let mut rise = d.clone();
-    let (mut left, mut right) = ((BigInt::from(1), whole), (BigInt::from(0), BigInt::from(1)));
+    let (mut left, mut right) = ((I::one(), whole), (I::zero(), I::one()));
     let mut vertices = Vec::new();
     let (mut row, mut column) = (0, 0);
-    while fall.sign() == Sign::Plus && left.0 <= BigInt::from(end - row) {
+    while fall.is_positive() && left.0 <= I::from(end - row) {
         if slack >= fall {
-            let often = (&slack / &fall).min((end - row) / &left.0);
-            slack -= &often * &fall;
-            row += small(&(&often * &left.0));
-            column += small(&(&often * &left.1));
+            let often = (slack.clone() / fall.clone()).min(I::from(end - row) / left.0.clone());
+            slack = slack - often.clone() * fall.clone();
+            row += small(&(often.clone() * left.0.clone()));
+            column += small(&(often * left.1.clone()));
             vertices.push((row, column));
         } else if fall >= rise {
-            let needed = -floor_div(&(&slack - &fall), &rise);
-            let often = needed.min(&fall / &rise);
-            fall -= &often * &rise;
-            left = (left.0 + &often * &right.0, left.1 + &often * &right.1);
+            let needed = (fall.clone() - slack.clone()).div_ceil(&rise);
+            let often = needed.min(fall.clone() / rise.clone());
+            fall = fall - often.clone() * rise.clone();
+            left = (left.0 + often.clone() * right.0.clone(), left.1 + often * right.1.clone());
         } else {
-            let often = (&rise - 1u8) / &fall;
-            rise -= &often * &fall;
-            right = (right.0 + &often * &left.0, right.1 + &often * &left.1);
+            let often = (rise.clone() - I::one()) / fall.clone();
+            rise = rise - often.clone() * fall.clone();
+            right = (right.0 + often.clone() * left.0.clone(), right.1 + often * left.1.clone());
         }
     }
     vertices
@@ -174,13 +207,8 @@ fn in_grid_steps(x: f64) -> BigInt {
     if x < 0.0 { -size } else { size }
 }
 
-fn floor_div(a: &BigInt, d: &BigInt) -> BigInt {
-    let quotient = a / d;
-    if (&quotient * d) > *a { quotient - 1 } else { quotient }
-}
-
-fn small(v: &BigInt) -> i64 {
-    i64::try_from(v).expect("rows and columns of a page")
+fn small(v: &impl ToPrimitive) -> i64 {
+    v.to_i64().expect("rows and columns of a page")
 }
 
 #[cfg(test)]
@@ -190,10 +218,10 @@ mod tests {
 
     fn agrees(top: Point, bottom: Point, width: u32, height: u32) -> usize {
         let (top, bottom) = (snap_point(top), snap_point(bottom));
-        let rows = rows(top, bottom, height);
+        let rows = row(top[1]).clamp(0.0, f64::from(height)) as u32..row(bottom[1]).clamp(0.0, f64::from(height)) as u32;
         let mut pieces = Vec::new();
-        reduce(top, bottom, rows.clone(), width, &mut pieces);
-        let exact = Exact::through(top, bottom, rows.start);
+        super::pieces(top, bottom, rows.clone(), width, &mut pieces);
+        let exact = Exact::through(top.map(in_grid_steps), bottom.map(in_grid_steps), rows.start);
         let (mut row, mut count) = (rows.start, 0);
         for piece in &pieces {
             assert!(piece.last > row, "no empty piece");
@@ -201,8 +229,7 @@ mod tests {
             while row < piece.last {
                 // ceil(x) clamped, from the definition: the number of centres 0..width that are left of the line.
                 let x = exact.numerator(row - rows.start);
-                let quotient = -floor_div(&-&x, &exact.d);
-                let brute = quotient.clamp(BigInt::from(0), BigInt::from(width));
+                let brute = x.div_ceil(&exact.d).clamp(BigInt::from(0), BigInt::from(width));
                 assert_eq!(BigInt::from(line.column()), brute, "{top:?} {bottom:?} row {row}");
                 line.step();
                 row += 1;
