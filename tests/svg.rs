@@ -348,6 +348,15 @@ fn what_is_not_drawn_is_warned_about_once_with_its_id() {
             ],
         ),
         (
+            r##"<style id="s">@charset "x"; .a:first-child, .b:hover{fill:red} .c>.d:nth-child(2) , :root{fill:red}@supports (a:b){.e:not(.f){fill:red}}</style>"##,
+            &[
+                "\"s\": rules under @supports are not applied",
+                "\"s\": the selector \".c>.d:nth-child(2)\" is not understood: its rule is not applied",
+                "\"s\": the selector \":root\" is not understood: its rule is not applied",
+                "\"s\": the selector \".e:not(.f)\" is not understood: its rule is not applied",
+            ],
+        ),
+        (
             r##"<path id="p" d="M0 0H9" pathLength="1"><animate attributeName="d"/></path><g transform="rotate(30deg)"/>
                 <g transform="none" clip-path="none" mask="inherit" style="transform:rotate(30) scale(2, 1);transform-box:view-box"/>"##,
             &[

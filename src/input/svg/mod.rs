@@ -20,6 +20,7 @@ mod outlines;
 mod outside;
 mod parts;
 mod references;
+mod sheet;
 mod style;
 mod tags;
 mod text;
@@ -71,6 +72,7 @@ fn document(text: &str, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warni
     text::check(&xml)?;
     let mut notes = Notes::read(&xml, &styles);
     outside::note(&xml, &styles, &missing, &mut notes);
+    sheet::note(&xml, &mut notes);
     let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
     drop((styles, missing, outlines));
     let scene = if let Some((text, tags)) = tagged {
