@@ -10,6 +10,7 @@
 
 mod cut;
 mod drawn;
+mod edits;
 mod geometry;
 mod ink;
 mod markup;
