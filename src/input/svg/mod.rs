@@ -10,6 +10,7 @@
 
 mod cut;
 mod drawn;
+mod edits;
 mod geometry;
 mod ink;
 mod markup;
@@ -20,10 +21,13 @@ mod outlines;
 mod outside;
 mod parts;
 mod references;
+mod sheet;
 mod style;
 mod tags;
 mod text;
+mod transform;
 mod tree;
+mod unsupported;
 
 use std::thread;
 
@@ -67,14 +71,15 @@ fn document(text: String, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<War
         let what = format!("the root element is <{}>: expected <svg>", root.tag_name().name());
         return Err(Error::input(Kind::Malformed, what).at_byte(text.as_bytes(), root.range().start));
     }
-    let styles = references::check(&xml, limits)?;
+    let (styles, missing) = references::check(&xml, limits)?;
     let outlines = Outlines::read(&xml, limits.threads);
-    numbers::check(&xml, &outlines)?;
+    numbers::check(&xml, &styles, &outlines)?;
     text::check(&xml)?;
-    let mut notes = Notes::read(&xml);
-    outside::note(&xml, &styles, &mut notes);
+    let mut notes = Notes::read(&xml, &styles);
+    outside::note(&xml, &styles, &missing, &mut notes);
+    sheet::note(&xml, &mut notes);
     let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
-    drop((styles, outlines));
+    drop((styles, missing, outlines));
     let (drawing, names, tags) = if let Some((rewritten, tags)) = tagged {
         notes.find_places(&text);
         drop(xml);

@@ -4,7 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use usvg::roxmltree::{Document, Node};
 
-use super::{attribute, href, is_svg};
+use super::style::Styles;
+use super::{attribute, href, is_svg, unsupported};
 use crate::error::{Place, Places, Warning};
 use crate::scene::quoted;
 
@@ -45,12 +46,12 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
 
 impl Notes {
     /// Notes what `usvg` leaves out without a word, images above all.
-    pub(super) fn read(xml: &Document<'_>) -> Notes {
+    pub(super) fn read<'a>(xml: &'a Document<'_>, styles: &Styles<'a>) -> Notes {
         let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
         let mut starts = HashMap::new();
         ids.for_each(|(id, start)| _ = starts.entry(id.to_owned()).or_insert(start));
         let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new(), places: Vec::new() };
-        notes.look(xml);
+        notes.look(xml, styles);
         notes
     }
 
@@ -84,36 +85,27 @@ impl Notes {
         self.notes.into_iter().map(warning).collect()
     }
 
-    fn look(&mut self, xml: &Document<'_>) {
+    fn look<'a>(&mut self, xml: &'a Document<'_>, styles: &Styles<'a>) {
         let used: HashSet<&str> = xml.descendants().filter(|n| n.has_tag_name("use")).filter_map(|n| href(n)?.strip_prefix('#')).collect();
         let mut drawn: Vec<bool> = Vec::new();
         for node in xml.descendants() {
             let parent = node.parent().is_none_or(|p| drawn[p.id().get_usize()]);
             drawn.push(attribute(node, "id").is_some_and(|id| used.contains(id)) || (parent && is_drawn(node)));
             if drawn[node.id().get_usize()] {
-                self.see(node);
+                self.see(node, styles);
             }
         }
     }
 
-    fn see(&mut self, node: Node<'_, '_>) {
+    fn see<'a>(&mut self, node: Node<'a, '_>, styles: &Styles<'a>) {
         if !is_svg(node) {
             return;
         }
-        let element = element(node);
-        let mut add = |what: &str| self.add_at(Some(node.range().start), element, what);
-        let name = node.tag_name().name();
-        match name {
-            "image" => add("images are not drawn yet"),
-            "foreignObject" | "video" | "iframe" | "canvas" => add(&format!("<{name}> is not drawn")),
-            _ => {}
-        }
-        if is_styled(node, "stroke-linejoin", "arcs") {
-            add("joins of the kind arcs are not drawn: mitered instead");
-        }
-        if is_styled(node, "vector-effect", "non-scaling-stroke") {
-            add("strokes that do not scale are not drawn: scaled instead");
-        }
+        let mut words: Vec<String> = unsupported::of_element(node).into_iter().collect();
+        let attributes = node.attributes().filter(|a| a.namespace().is_none());
+        words.extend(attributes.filter_map(|a| unsupported::of_property(a.name(), a.value())));
+        styles.declared(node, |name, value| words.extend(unsupported::of_declaration(name, value)));
+        words.into_iter().for_each(|what| self.add_at(Some(node.range().start), element(node), what));
     }
 }
 

@@ -3,9 +3,10 @@
 use usvg::roxmltree::Document;
 
 use super::geometry::{IDENTITY, product};
-use super::is_svg;
 use super::notes::element;
 use super::outlines::Outlines;
+use super::style::Styles;
+use super::{is_svg, transform};
 use crate::error::{Error, Kind, Result};
 
 /// Decimal digits before the point, exponent included, that no coordinate and no transform may pass. A coordinate of that size under a
@@ -13,15 +14,16 @@ use crate::error::{Error, Kind, Result};
 const DIGITS: i64 = 18;
 
 /// Refuses a document with such a number, or with nested transforms that multiply to one. Outlines that have been read may be known to have none.
-pub(super) fn check(xml: &Document<'_>, outlines: &Outlines) -> Result<()> {
+pub(super) fn check<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines) -> Result<()> {
     let mut products = vec![IDENTITY];
     // For every node the index of its product.
     let mut under: Vec<u32> = Vec::new();
     for node in xml.descendants() {
         under.push(node.parent().map_or(0, |p| under[p.id().get_usize()]));
+        let declared = Some(node).filter(|n| is_svg(*n)).and_then(|node| styles.declaration(node, "transform"));
         for attribute in node.attributes().filter(|a| a.namespace().is_none() && is_svg(node)) {
             let (name, value) = (attribute.name(), attribute.value());
-            let transform = name == "transform";
+            let transform = name == "transform" && declared.is_none();
             let known = name == "d" && outlines.of(node).is_some_and(|outline| outline.plain);
             if known || (!transform && !is_geometry(name)) {
                 continue;
@@ -34,17 +36,28 @@ pub(super) fn check(xml: &Document<'_>, outlines: &Outlines) -> Result<()> {
             if let Some(offset) = too_large(value) {
                 return refuse(format!("a number of more than {DIGITS} digits: SVG coordinates are 32-bit, use smaller ones"), offset);
             }
-            if let Some(t) = transform.then(|| value.parse::<svgtypes::Transform>().ok()).flatten() {
-                let whole = product(products[under[node.id().get_usize()] as usize], [t.a, t.b, t.c, t.d, t.e, t.f]);
-                if !whole.iter().all(|x| x.abs() < 10_f64.powi(DIGITS as i32)) {
-                    return refuse("with the transforms around it too large for 32-bit coordinates: use smaller ones".to_owned(), 0);
-                }
-                under[node.id().get_usize()] = products.len() as u32;
-                products.push(whole);
+            let own = transform.then(|| transform::matrix(value)).flatten();
+            if own.is_some_and(|own| !multiply(own, &mut products, &mut under)) {
+                return refuse(TRANSFORMS.to_owned(), 0);
             }
+        }
+        if declared.and_then(transform::matrix).is_some_and(|own| !multiply(own, &mut products, &mut under)) {
+            let what = format!("{}, transform: {TRANSFORMS}", element(node).named());
+            return Err(Error::input(Kind::Refused, what).at_byte(xml.input_text().as_bytes(), node.range().start));
         }
     }
     Ok(())
+}
+
+const TRANSFORMS: &str = "with the transforms around it too large for 32-bit coordinates: use smaller ones";
+
+/// Takes in the transform of the last node; false if it becomes too large.
+fn multiply(own: [f64; 6], products: &mut Vec<[f64; 6]>, under: &mut [u32]) -> bool {
+    let last = under.last_mut().expect("there is a last node");
+    let whole = product(products[*last as usize], own);
+    *last = products.len() as u32;
+    products.push(whole);
+    whole.iter().all(|x| x.abs() < 10_f64.powi(DIGITS as i32))
 }
 
 fn is_geometry(attribute: &str) -> bool {

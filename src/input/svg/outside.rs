@@ -1,17 +1,21 @@
-//! References that lead out of the document: never followed, each named in a warning with the element that makes it.
+//! References that lead out of the document, or nowhere in it: never followed, each named in a warning with the element that makes it.
 //!
-//! They stand in `href`, in the `url()` of a property, whether an attribute, a `style` or a rule sets it, and in the style sheets' own `@import`
-//! and `@font-face`. Links that a reader may click on (`a`), scripts and cursors draw nothing and are left alone.
+//! They stand in `href` and in the `url()` of a property, whether an attribute, a `style` or a rule sets it; for those of style sheets themselves see
+//! [`super::sheet`]. Links that a reader may click on (`a`), scripts and cursors draw nothing and are left alone.
 
 use usvg::roxmltree::{Document, Node};
 
 use super::notes::{Notes, element};
+use super::references::Missing;
 use super::style::Styles;
 use super::{href, is_svg};
 use crate::scene::quoted;
 
 /// Notes all of them.
-pub(super) fn note(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) {
+pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Missing<'_>, notes: &mut Notes) {
+    for (node, id) in missing.iter().filter_map(|&(node, id)| Some((xml.get_node(node)?, id))) {
+        notes.add_at(Some(node.range().start), element(node), format!("{} is not in the document", quoted(&format!("#{id}"))));
+    }
     for node in xml.root().children() {
         let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };
         add(node, "the style sheet ", pi.value.unwrap_or_default(), notes);
@@ -26,9 +30,6 @@ pub(super) fn note(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) {
                 add(node, "", address, notes);
             }
         }
-        if name == "style" {
-            node.text().filter(|text| text.contains('@')).into_iter().for_each(|text| note_sheet(node, text, notes));
-        }
         if properties {
             styles.of(node, |property, value| {
                 // What stands in `style` comes declaration by declaration too.
@@ -39,45 +40,24 @@ pub(super) fn note(xml: &Document<'_>, styles: &Styles<'_>, notes: &mut Notes) {
     }
 }
 
-/// Notes the style sheets that a style sheet asks for, and its fonts.
-fn note_sheet(node: Node<'_, '_>, text: &str, notes: &mut Notes) {
-    let text = without_comments(text);
-    for rule in text.split('@').skip(1) {
-        let keyword = rule.get(..9).unwrap_or(rule).to_ascii_lowercase();
-        if keyword.starts_with("import") {
-            let target = rule[6..].split(';').next().unwrap_or_default();
-            add(node, "the style sheet ", urls(target).next().unwrap_or(string(target, ' ')), notes);
-        } else if keyword == "font-face" {
-            let block = rule.split('}').next().unwrap_or_default();
-            urls(block).filter(|url| !url.starts_with("data:")).for_each(|url| add(node, "the font ", url, notes));
-        }
-    }
-}
-
-fn add(node: Node<'_, '_>, what: &str, address: &str, notes: &mut Notes) {
+/// Notes an address that is not read.
+pub(super) fn add(node: Node<'_, '_>, what: &str, address: &str, notes: &mut Notes) {
     let where_it_is = if address.starts_with("data:") { "a document of its own" } else { "outside the document" };
     notes.add_at(Some(node.range().start), element(node), format!("{what}{} is {where_it_is} and not read", quoted(address)));
 }
 
 /// What stands in the `url()` of a text, empty ones left out.
-fn urls(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn urls(text: &str) -> impl Iterator<Item = &str> {
     let opens = text.match_indices('(').map(|(at, _)| at).filter(|&at| at >= 3 && text.as_bytes()[at - 3..at].eq_ignore_ascii_case(b"url"));
     opens.map(|at| string(&text[at + 1..], ')')).filter(|url| !url.is_empty())
 }
 
 /// What a text begins with: a string in quotes, or all up to `end`.
-fn string(text: &str, end: char) -> &str {
+pub(super) fn string(text: &str, end: char) -> &str {
     let text = text.trim_start();
     let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''));
     let inside = quote.map_or(text, |_| &text[1..]);
     inside.split(quote.unwrap_or(end)).next().unwrap_or_default().trim()
-}
-
-fn without_comments(text: &str) -> String {
-    let mut parts = text.split("/*");
-    let first = parts.next().unwrap_or_default();
-    let others = parts.map(|part| part.split_once("*/").map_or("", |(_, rest)| rest));
-    std::iter::once(first).chain(others).collect()
 }
 
 #[cfg(test)]
@@ -88,6 +68,5 @@ mod tests {
     fn urls_are_found_in_all_their_forms() {
         let found: Vec<&str> = urls("red url(#a) URL( 'x)y' ) url(\"b.svg#c\") curl(d) url() url(é").collect();
         assert_eq!(found, ["#a", "x)y", "b.svg#c", "d", "é"]);
-        assert_eq!(without_comments("a/*b*/c/*d/*e*/f/*g"), "acf");
     }
 }

@@ -29,12 +29,17 @@ const MARKERS: std::ops::Range<usize> = 2..5;
 /// Stands for `href` beside the numbers of [`PROPERTIES`].
 const HREF: usize = PROPERTIES.len();
 
-/// Refuses what must not be followed. Gives the style sheets.
-pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<Styles<'a>> {
+/// Elements, each with an id that it refers to and that is not there.
+pub(super) type Missing<'a> = Vec<(NodeId, &'a str)>;
+
+/// Refuses what must not be followed. Gives the style sheets, and the references that lead nowhere.
+pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<(Styles<'a>, Missing<'a>)> {
     let (elements, depth) = measure(xml)?;
     let styles = Styles::read(xml, elements, u64::from(depth))?;
-    Graph::read(xml, &styles).walk(limits)?;
-    Ok(styles)
+    let graph = Graph::read(xml, &styles);
+    graph.walk(limits)?;
+    let missing = graph.missing;
+    Ok((styles, missing))
 }
 
 /// Number of elements and how deep they are nested.
@@ -77,6 +82,7 @@ struct Graph<'a, 'i> {
     xml: &'a Document<'i>,
     /// The references that stand on an element itself, for those that have some.
     own: HashMap<NodeId, Vec<Reference>>,
+    missing: Missing<'a>,
     /// For every node and inherited property: the nearest of it and its ancestors that sets it.
     setter: Vec<[Option<NodeId>; INHERITED]>,
 }
@@ -89,10 +95,10 @@ impl<'a, 'i> Graph<'a, 'i> {
                 ids.entry(id).or_insert((node.id(), node.id())).1 = node.id();
             }
         }
-        let mut graph = Graph { xml, own: HashMap::new(), setter: Vec::new() };
+        let mut graph = Graph { xml, own: HashMap::new(), missing: Vec::new(), setter: Vec::new() };
         for node in xml.descendants() {
             let mut setter = node.parent().map_or([None; INHERITED], |p| graph.setter[p.id().get_usize()]);
-            let mut own = Vec::new();
+            let (mut own, missing) = (Vec::new(), &mut graph.missing);
             // Of equal ids usvg takes the first for use and the last for the others.
             let targets =
                 |id: &str| ids.get(id).into_iter().flat_map(|&(first, last)| [Some(first), (first != last).then_some(last)]).flatten();
@@ -105,7 +111,13 @@ impl<'a, 'i> Graph<'a, 'i> {
                         }
                         own.extend(urls(value).flat_map(targets).map(|to| Reference { property, to }));
                     }
+                    // What stands behind a reference is drawn where it fails.
+                    if (PROPERTIES.contains(&name) || name == "marker") && value.trim_end().ends_with(')') {
+                        missing.extend(urls(value).filter(|id| !ids.contains_key(id)).map(|id| (node.id(), id)));
+                    }
                 });
+                let id = href(node).and_then(|h| h.trim().strip_prefix('#')).filter(|_| node.tag_name().name() != "a");
+                missing.extend(id.filter(|id| !ids.contains_key(id)).map(|id| (node.id(), id)));
                 if matches!(node.tag_name().name(), "use" | "pattern" | "feImage") {
                     let id = href(node).and_then(|h| h.trim().strip_prefix('#'));
                     own.extend(id.into_iter().flat_map(targets).map(|to| Reference { property: HREF, to }));

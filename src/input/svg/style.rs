@@ -1,4 +1,4 @@
-//! The style sheets of a document, as far as they refer to other elements or make them transparent.
+//! The style sheets of a document, as far as they refer to other elements, make them transparent, or ask for what is not drawn.
 //!
 //! `usvg` matches every rule with every element, and a descendant selector with every chain of ancestors; both are bounded here
 //! before it begins. So is the parsing: `simplecss` counts lines and columns anew, from the first byte on, at the end of every value.
@@ -7,7 +7,7 @@ use simplecss::{AttributeOperator, Declaration, DeclarationTokenizer, Element, P
 use svgtypes::{Length, LengthUnit};
 use usvg::roxmltree::{Document, Node};
 
-use super::attribute;
+use super::{attribute, unsupported};
 use crate::error::{Error, Kind, Result};
 
 /// Most steps of matching rules with elements.
@@ -30,7 +30,7 @@ pub(super) struct Styles<'a>(StyleSheet<'a>);
 
 impl<'a> Styles<'a> {
     /// Reads the `style` elements of a document with so many elements, nested so deep. Only rules in which a declaration has a
-    /// `url()` or sets an opacity are kept.
+    /// `url()`, sets an opacity or a transform, or asks for what is not drawn are kept.
     ///
     /// # Errors
     /// A limit.
@@ -73,13 +73,19 @@ impl<'a> Styles<'a> {
         if steps > STEPS {
             return refuse();
         }
-        sheet.rules.retain(|r| r.declarations.iter().any(|d| d.value.contains("url(") || d.name.ends_with("opacity")));
+        let telling = |d: &Declaration<'_>| {
+            d.value.contains("url(")
+                || d.name.ends_with("opacity")
+                || d.name == "transform"
+                || unsupported::of_declaration(d.name, d.value).is_some()
+        };
+        sheet.rules.retain(|r| r.declarations.iter().any(telling));
         Ok(Styles(sheet))
     }
 
-    /// An opacity as the element itself has it, by one of its properties; none where it says nothing that can be understood.
-    pub(super) fn opacity(&self, node: Node<'a, '_>, property: &str) -> Option<f32> {
-        let mut found = attribute(node, property);
+    /// The value that counts among those that rules and the `style` attribute of an element declare.
+    pub(super) fn declaration(&self, node: Node<'a, '_>, property: &str) -> Option<&'a str> {
+        let mut found = None;
         let mut important = false;
         let mut declare = |d: &Declaration<'a>| {
             if d.name == property && !important {
@@ -87,8 +93,14 @@ impl<'a> Styles<'a> {
             }
         };
         self.rules(node).for_each(&mut declare);
-        attribute(node, "style").into_iter().flat_map(DeclarationTokenizer::from).for_each(|d| declare(&d));
-        match found?.parse().ok()? {
+        let own = attribute(node, "style").filter(|style| style.contains(property));
+        own.into_iter().flat_map(DeclarationTokenizer::from).for_each(|d| declare(&d));
+        found
+    }
+
+    /// An opacity as the element itself has it, by one of its properties; none where it says nothing that can be understood.
+    pub(super) fn opacity(&self, node: Node<'a, '_>, property: &str) -> Option<f32> {
+        match self.declaration(node, property).or_else(|| attribute(node, property))?.parse().ok()? {
             Length { number, unit: LengthUnit::Percent } => Some((number as f32 / 100.0).clamp(0.0, 1.0)),
             Length { number, unit: LengthUnit::None } => Some((number as f32).clamp(0.0, 1.0)),
             _ => None,
@@ -98,6 +110,13 @@ impl<'a> Styles<'a> {
     /// The declarations of the rules that apply to an element.
     fn rules(&self, node: Node<'a, '_>) -> impl Iterator<Item = &Declaration<'a>> {
         self.0.rules.iter().filter(move |r| r.selector.matches(&Styled(node))).flat_map(|r| &r.declarations)
+    }
+
+    /// Calls `see` with name and value of what rules and the `style` attribute of an element declare, that one roughly.
+    pub(super) fn declared(&self, node: Node<'a, '_>, mut see: impl FnMut(&str, &'a str)) {
+        self.rules(node).for_each(|d| see(d.name, d.value));
+        let own = attribute(node, "style").into_iter().flat_map(|style| style.split(';')).filter_map(|d| d.split_once(':'));
+        own.for_each(|(name, value)| see(name.trim(), value.trim_end().trim_end_matches("!important").trim()));
     }
 
     /// Calls `see` with name and value of everything that styles an element: attributes, rules, the `style` attribute.

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! and the true opacity is kept beside it. Parts of a `text` are marked in the same way by the opacity of their fill and of their stroke.
-//! Attributes of other namespaces that `usvg` would take for SVG's own, such as `s:id`, get a name that means nothing.
+//! Transforms with units, which only style sheets know, are written out as matrices. Attributes of other namespaces that `usvg` would take for
+//! SVG's own, such as `s:id`, get a name that means nothing.
 //! A document in which no id would be lost is left as it is. The document is rewritten as text, once: by insertions, and by stand-ins for long outlines
 //! ([`super::outlines`]), which are kept with the tag of their element.
 //!
@@ -18,15 +19,15 @@
 //! paint, and costs a copy of the text for each use; and marks by clip paths, each of which `usvg` compares with each.
 
 use std::collections::{HashMap, HashSet};
-use std::ops::Range;
 use std::sync::Arc;
 
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
+use super::edits::Edits;
 use super::notes::{Element, Notes};
 use super::outlines::{self, Outlines};
 use super::style::Styles;
-use super::{attribute, href, is_svg};
+use super::{attribute, href, is_svg, transform};
 use crate::shape::Path;
 
 /// Most tags: serial numbers are exact in the 24 bits of an opacity.
@@ -89,7 +90,7 @@ struct Around {
 }
 
 /// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
+pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
@@ -111,6 +112,9 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlin
         around.push(here);
         if !fixed {
             node.attributes().filter(is_mistaken).for_each(|a| text.disguise(a));
+        }
+        if let Some([a, b, c, d, e, f]) = Some(node).filter(|_| !fixed).and_then(|node| foreign_transform(node, styles)) {
+            text.style(node, &format!("transform:matrix({a} {b} {c} {d} {e} {f})!important;"));
         }
         if fixed || !is_svg(node) || node == root {
             continue;
@@ -148,16 +152,16 @@ pub(super) fn rewrite(xml: &Document<'_>, styles: &Styles<'_>, outlines: &Outlin
             // Inherited, unlike the opacity of an element.
             let opacity = |property| node.ancestors().find_map(|n| styles.opacity(n, property)).unwrap_or(1.0);
             (tag.opacity, tag.stroke_opacity) = (opacity("fill-opacity"), opacity("stroke-opacity"));
-            text.style(node, format!("fill-opacity:{value:e}!important;stroke-opacity:{value:e}!important;"));
+            text.style(node, &format!("fill-opacity:{value:e}!important;stroke-opacity:{value:e}!important;"));
             around[node.id().get_usize()].part = serial;
         } else if is_drawn(name) {
             tag.opacity = styles.opacity(node, "opacity").unwrap_or(1.0);
-            text.style(node, format!("opacity:{value:e}!important;"));
+            text.style(node, &format!("opacity:{value:e}!important;"));
         } else {
             continue;
         }
         if let (Some(outline), Some(data)) = (outline, outlines::data(node)) {
-            text.edits.push((data.range_value(), outline.stand_in()));
+            text.replace(data.range_value(), outline.stand_in());
         }
         tags.0.push(tag);
     }
@@ -194,6 +198,12 @@ fn sets_markers(node: Node<'_, '_>, styles: &Styles<'_>) -> bool {
 /// The attribute `id` of an element of SVG.
 fn id<'a, 'i>(node: Node<'a, 'i>) -> Option<Attribute<'a, 'i>> {
     node.attributes().find(|a| a.namespace().is_none() && a.name() == "id" && !a.value().is_empty()).filter(|_| is_svg(node))
+}
+
+/// The transform that an element's style declares, if `usvg` does not understand it.
+fn foreign_transform<'a>(node: Node<'a, '_>, styles: &Styles<'a>) -> Option<[f64; 6]> {
+    let declared = styles.declaration(node, "transform").filter(|t| is_svg(node) && t.parse::<svgtypes::Transform>().is_err())?;
+    transform::matrix(declared)
 }
 
 /// Whether an attribute is not SVG's, but looks so to `usvg`: it takes any name of these namespaces for SVG's own, and for some looks at the
@@ -234,85 +244,5 @@ impl<'a> Ids<'a> {
             }
         }
         ids
-    }
-}
-
-/// A text with edits, made from front to back.
-struct Edits<'t> {
-    text: &'t str,
-    /// What takes the place of what.
-    edits: Vec<(Range<usize>, String)>,
-    /// Underscores, more in a row than the document has anywhere; empty until they are needed.
-    blank: String,
-    /// Whether they stand for a namespace.
-    prefixed: bool,
-}
-
-impl<'t> Edits<'t> {
-    fn new(text: &'t str) -> Edits<'t> {
-        Edits { text, edits: Vec::new(), blank: String::new(), prefixed: false }
-    }
-
-    fn insert(&mut self, at: usize, new: String) {
-        self.edits.push((at..at, new));
-    }
-
-    /// A name, or a piece of one, that the document does not have.
-    fn blank(&mut self) -> &str {
-        if self.blank.is_empty() {
-            let longest = self.text.split(|c| c != '_').map(str::len).max().unwrap_or(0);
-            self.blank = "_".repeat(longest + 1);
-        }
-        &self.blank
-    }
-
-    /// Takes an id out of SVG. It keeps its name within another namespace, because style sheets look at the name alone.
-    fn rename(&mut self, id: Attribute<'_, '_>) {
-        let prefix = format!("{}:", self.blank());
-        self.prefixed = true;
-        self.insert(id.range().start, prefix);
-    }
-
-    /// Gives an attribute a name that nobody looks for.
-    fn disguise(&mut self, attribute: Attribute<'_, '_>) {
-        let suffix = self.blank().to_owned();
-        self.insert(attribute.range_qname().end, suffix);
-    }
-
-    /// Puts declarations before those of an element's style.
-    fn style(&mut self, node: Node<'_, '_>, declarations: String) {
-        if let Some(style) = node.attributes().find(|a| a.namespace().is_none() && a.name() == "style") {
-            self.insert(style.range_value().start, declarations);
-        } else {
-            self.insert(self.behind_name(node), format!(" style=\"{declarations}\""));
-        }
-    }
-
-    /// Where the name of an element ends.
-    fn behind_name(&self, node: Node<'_, '_>) -> usize {
-        let start = node.range().start;
-        let name = self.text[start..].find(|c: char| c.is_ascii_whitespace() || matches!(c, '/' | '>'));
-        start + name.unwrap_or(0)
-    }
-
-    /// The new text; none if nothing was edited.
-    fn finish(mut self, root: Node<'_, '_>) -> Option<String> {
-        if self.prefixed {
-            self.insert(self.behind_name(root), format!(" xmlns:{}=\"urn:runset:duplicate\"", self.blank));
-        }
-        if self.edits.is_empty() {
-            return None;
-        }
-        self.edits.sort_by_key(|(place, _)| place.start);
-        let (removed, added) = self.edits.iter().fold((0, 0), |(removed, added), (place, new)| (removed + place.len(), added + new.len()));
-        let mut text = String::with_capacity(self.text.len() + added - removed);
-        let mut from = 0;
-        for (place, new) in &self.edits {
-            text.push_str(&self.text[from..place.start]);
-            text.push_str(new);
-            from = place.end;
-        }
-        text.push_str(&self.text[from..]);
-        Some(text)
     }
 }
