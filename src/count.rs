@@ -13,6 +13,10 @@
 //! All crossings in one column are added before [`Counters::settle`] is called once, so a tie never shows a state that no pixel has.
 //! Cost: a step or two a crossing on usual expressions; at worst the number of nodes whose truth flips times their parents.
 //!
+//! A node that feeds many others, such as a clip path over thousands of layers, would visit them all whenever it flips, although most have
+//! nothing that it could cut. So it does not count in their sums: each of them reads it, and waits for its news only while that would decide.
+//! The idea is that of watched literals in solvers of clauses.
+//!
 //! Nodes stand children before parents, so settling the lowest unsettled node first visits each at most once a column.
 
 use crate::bits::BitSet;
@@ -52,9 +56,31 @@ pub struct Program {
     first: Vec<u32>,
     outputs: Vec<Node>,
     output_of: Vec<u32>,
+    /// Nodes that read an input instead of being told of it, sorted by that input.
+    readers: Vec<Reader>,
+    /// For every node which of the readers it is.
+    reader_of: Vec<u32>,
+    /// For every node which of the inputs that are read it is.
+    read_of: Vec<u32>,
+    /// For every input that is read the first of its readers; one more at the end.
+    first_reader: Vec<u32>,
+}
+
+/// A node that reads an input.
+#[derive(Clone, Copy, Debug)]
+struct Reader {
+    node: Node,
+    input: Node,
+    weight: i32,
+    /// Which of the inputs that are read.
+    read: u32,
 }
 
 const NO_OUTPUT: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
+
+/// A node that feeds more than so many is read by them.
+const MANY: u32 = 16;
 
 impl Program {
     /// Adds a leaf. All leaves stand before all other nodes.
@@ -92,6 +118,7 @@ impl Program {
             }
             same
         });
+        self.let_read();
         self.first = vec![0; self.rules.len() + 1];
         for &(child, ..) in &self.links {
             self.first[child as usize + 1] += 1;
@@ -103,9 +130,32 @@ impl Program {
         self
     }
 
+    /// Turns links of nodes that feed many into readers, at most one for each parent.
+    fn let_read(&mut self) {
+        let nodes = self.rules.len();
+        let mut fed = vec![0_u32; nodes];
+        self.links.iter().for_each(|link| fed[link.0 as usize] += 1);
+        (self.reader_of, self.read_of) = (vec![NONE; nodes], vec![NONE; nodes]);
+        let Program { rules, links, readers, reader_of, read_of, first_reader, .. } = self;
+        links.retain(|&(input, node, weight)| {
+            let told = fed[input as usize] <= MANY || reader_of[node as usize] != NONE || !matches!(rules[node as usize], Rule::AtLeast(_));
+            if !told {
+                if read_of[input as usize] == NONE {
+                    read_of[input as usize] = first_reader.len() as u32;
+                    first_reader.push(readers.len() as u32);
+                }
+                reader_of[node as usize] = readers.len() as u32;
+                readers.push(Reader { node, input, weight, read: read_of[input as usize] });
+            }
+            told
+        });
+        first_reader.push(readers.len() as u32);
+    }
+
     /// Whether every child stands before its parents.
     pub fn check(&self) -> bool {
-        self.links.iter().all(|&(child, parent, _)| child < parent) && self.first.len() == self.rules.len() + 1
+        let ordered = self.links.iter().all(|&(child, parent, _)| child < parent) && self.readers.iter().all(|r| r.input < r.node);
+        ordered && self.first.len() == self.rules.len() + 1
     }
 
     /// Number of leaves: the nodes that were added before the first that is fed.
@@ -123,9 +173,9 @@ impl Program {
         self.rules[node as usize]
     }
 
-    /// (child, parent, weight), each pair once, sorted by child.
-    pub fn links(&self) -> &[(Node, Node, i32)] {
-        &self.links
+    /// What feeds what: (child, parent, weight), each pair once.
+    pub fn links(&self) -> impl Iterator<Item = (Node, Node, i32)> {
+        self.links.iter().copied().chain(self.readers.iter().map(|r| (r.input, r.node, r.weight)))
     }
 
     /// The node whose truth is output `i`.
@@ -149,13 +199,16 @@ pub struct Counters {
     counts: Vec<i32>,
     holds: Vec<bool>,
     unsettled: BitSet,
+    /// For every input that is read those of its readers whose truth it decides.
+    waiting: Vec<BitSet>,
 }
 
 impl Counters {
     /// Counters before the first crossing, everything settled: what holds where no shape does (complements) holds already.
     pub fn new(program: &Program) -> Counters {
         let nodes = program.rules.len();
-        let mut counters = Counters { counts: vec![0; nodes], holds: vec![false; nodes], unsettled: BitSet::new(nodes) };
+        let waiting = program.first_reader.windows(2).map(|w| BitSet::new((w[1] - w[0]) as usize)).collect();
+        let mut counters = Counters { counts: vec![0; nodes], holds: vec![false; nodes], unsettled: BitSet::new(nodes), waiting };
         (0..nodes).for_each(|node| counters.unsettled.insert(node));
         counters.settle(program, |_, _| ());
         counters
@@ -187,7 +240,7 @@ impl Counters {
         let count = self.counts[node] + weight;
         loop {
             self.counts[node] += weight;
-            let holds = program.rules[node].holds(self.counts[node]);
+            let holds = self.truth(program, node);
             if holds == self.holds[node] {
                 return count;
             }
@@ -196,15 +249,13 @@ impl Counters {
                 flip(program.output_of[node], holds);
             }
             match program.parents(node) {
-                [] => return count,
-                &[(_, parent, gain)] => {
+                [] if program.read_of[node] == NONE => return count,
+                &[(_, parent, gain)] if program.read_of[node] == NONE => {
                     node = parent as usize;
                     weight = if holds { gain } else { -gain };
                 }
-                parents => {
-                    for &(_, parent, gain) in parents {
-                        let _ = self.add(parent, if holds { gain } else { -gain });
-                    }
+                _ => {
+                    self.tell(program, node, holds);
                     self.settle(program, flip);
                     return count;
                 }
@@ -217,17 +268,48 @@ impl Counters {
     pub fn settle(&mut self, program: &Program, mut flip: impl FnMut(u32, bool)) {
         while let Some(node) = self.unsettled.first() {
             self.unsettled.remove(node);
-            let holds = program.rules[node].holds(self.counts[node]);
+            let holds = self.truth(program, node);
             if holds == self.holds[node] {
                 continue;
             }
             self.holds[node] = holds;
-            for &(_, parent, weight) in program.parents(node) {
-                self.counts[parent as usize] += if holds { weight } else { -weight };
-                self.unsettled.insert(parent as usize);
-            }
+            self.tell(program, node, holds);
             if program.output_of[node] != NO_OUTPUT {
                 flip(program.output_of[node], holds);
+            }
+        }
+    }
+
+    /// Whether a node holds by what it counts and reads.
+    #[inline]
+    fn truth(&mut self, program: &Program, node: usize) -> bool {
+        let (rule, count) = (program.rules[node], self.counts[node]);
+        let reader = program.reader_of[node];
+        if reader == NONE {
+            return rule.holds(count);
+        }
+        let Reader { input, weight, read, .. } = program.readers[reader as usize];
+        let (with, without) = (rule.holds(count + weight), rule.holds(count));
+        let place = (reader - program.first_reader[read as usize]) as usize;
+        let waiting = &mut self.waiting[read as usize];
+        waiting.set(place, with != without);
+        if self.holds[input as usize] { with } else { without }
+    }
+
+    /// Tells those that a node feeds of its new truth, and those that read it and wait.
+    #[inline]
+    fn tell(&mut self, program: &Program, node: usize, holds: bool) {
+        for &(_, parent, weight) in program.parents(node) {
+            self.counts[parent as usize] += if holds { weight } else { -weight };
+            self.unsettled.insert(parent as usize);
+        }
+        let read = program.read_of[node];
+        if read != NONE {
+            // They wait again once they are settled.
+            let first = program.first_reader[read as usize];
+            while let Some(place) = self.waiting[read as usize].first() {
+                self.waiting[read as usize].remove(place);
+                self.unsettled.insert(program.readers[first as usize + place].node as usize);
             }
         }
     }
@@ -259,9 +341,9 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 33) % n
         };
-        for _ in 0..200 {
+        for round in 0..400 {
             let leaves = 1 + random(8) as usize;
-            let gates = random(12) as usize;
+            let gates = if round % 4 == 0 { 40 + random(40) as usize } else { random(12) as usize };
             let (mut rules, mut inputs) = (Vec::new(), Vec::new());
             let mut program = Program::default();
             for node in 0..leaves + gates {
@@ -271,10 +353,13 @@ mod tests {
                     _ => Rule::AtLeast(random(4) as i32 - 1),
                 };
                 let rule = if node < leaves && matches!(rule, Rule::AtLeast(_)) { Rule::NonZero } else { rule };
+                let few = random(2) == 0;
                 let fed: Vec<(Node, i32)> = if node < leaves {
                     Vec::new()
                 } else {
-                    (0..1 + random(5)).map(|_| (random(node as u64) as Node, if random(3) == 0 { -1 } else { 1 })).collect()
+                    (0..1 + random(5))
+                        .map(|_| (random(if few { leaves as u64 } else { node as u64 }) as Node, if random(3) == 0 { -1 } else { 1 }))
+                        .collect()
                 };
                 if node < leaves {
                     program.leaf(rule)

@@ -233,7 +233,7 @@ impl Gate {
 /// The nodes that are fed by others, children before parents.
 fn gates(program: &Program) -> Vec<Gate> {
     let mut gates: Vec<Gate> = Vec::new();
-    let mut links: Vec<(u32, u32, i32)> = program.links().to_vec();
+    let mut links: Vec<(u32, u32, i32)> = program.links().collect();
     links.sort_unstable_by_key(|&(child, parent, _)| (parent, child));
     for parent in links.chunk_by(|a, b| a.1 == b.1) {
         let inputs = parent.iter().map(|&(child, _, weight)| (child, weight)).collect();
