@@ -318,7 +318,7 @@ mod tests {
     fn every_length_of_a_run() {
         for n in (0..1200).chain([258 * 70_000 + 2]) {
             let bytes = vec![9; n];
-            assert_eq!(inflated(&[bytes.clone()]), bytes, "{n}");
+            assert_eq!(inflated(std::slice::from_ref(&bytes)), bytes, "{n}");
         }
     }
 
@@ -331,6 +331,6 @@ mod tests {
             bytes.extend((0..counts.0).flat_map(|_| [byte, 255]));
             counts = (counts.1, counts.0 + counts.1);
         }
-        assert_eq!(inflated(&[bytes.clone()]), bytes);
+        assert_eq!(inflated(std::slice::from_ref(&bytes)), bytes);
     }
 }

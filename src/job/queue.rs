@@ -35,8 +35,8 @@ pub struct Sweep {
 
 impl Sweep {
     /// A sweep about to begin.
-    pub fn new(rows: Rows) -> Sweep {
-        Sweep { rows, left: (0, 0) }
+    pub fn new(rows: Rows) -> Box<Sweep> {
+        Box::new(Sweep { rows, left: (0, 0) })
     }
 
     /// Fills `strip` up to a multiple of `lines` lines, or with about [`STRIP_RUNS`] runs; false behind the last line.
@@ -77,7 +77,7 @@ enum Cell {
 
 struct Band {
     /// Absent while somebody sweeps it on, and behind its end.
-    sweep: Option<Sweep>,
+    sweep: Option<Box<Sweep>>,
     /// What it has cost, behind its end.
     cost: Option<Cost>,
     /// Strips that were taken already.
@@ -88,7 +88,7 @@ struct Band {
 /// What is to be done.
 pub enum Work {
     /// Sweep the band of that number on; it begins if there is no sweep.
-    Sweep(usize, Option<Sweep>),
+    Sweep(usize, Option<Box<Sweep>>),
     /// Encode a strip: its band, its place in the band.
     Encode(usize, usize, Ready),
     /// Write the next strip.
@@ -222,7 +222,7 @@ impl Queue {
     }
 
     /// Sweeps a band on by a strip, cut at multiples of `lines` lines.
-    pub fn sweep(&self, band: usize, mut sweep: Sweep, lines: u32) {
+    pub fn sweep(&self, band: usize, mut sweep: Box<Sweep>, lines: u32) {
         let mut strip = self.state().spare_strips.pop().unwrap_or_default();
         let more = sweep.fill(&mut strip, lines);
         let mut state = self.state();
