@@ -23,6 +23,9 @@ const STORED_RUNS: usize = 3 << 18;
 /// Strips that may be stored before sweeping waits.
 const STRIPS: usize = 1 << 10;
 
+/// Most strips whose bytes are kept, however many threads there are.
+const WINDOW: usize = 32;
+
 /// Runs of a strip, about.
 const STRIP_RUNS: usize = 1 << 16;
 
@@ -133,7 +136,7 @@ impl Queue {
     /// A queue of that many bands, for that many threads.
     pub fn new(bands: usize, threads: usize) -> Queue {
         let [to_writer, to_helpers] = [Condvar::new(), Condvar::new()];
-        Queue { state: Mutex::default(), to_writer, to_helpers, bands, threads, window: 2 * threads + 6 }
+        Queue { state: Mutex::default(), to_writer, to_helpers, bands, threads, window: (threads + 2).min(WINDOW) }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
