@@ -17,8 +17,7 @@
 //!
 //! Source: PNG Specification (Third Edition), RFC 1950.
 
-// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory. Noise, which is not what is drawn, would be
-// smaller by a third without a filter.
+// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory.
 
 use std::ops::Range;
 
