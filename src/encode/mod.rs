@@ -50,9 +50,6 @@ pub trait Encode: Send {
     fn join(&mut self, part: &Part, out: &mut Vec<u8>);
 }
 
-/// About how many bytes of rows are a strip, where every row is bytes of its own.
-const STRIP_BYTES: usize = 1 << 18;
-
 mod deflate;
 mod part;
 mod records;

@@ -17,13 +17,12 @@
 //!
 //! Source: PNG Specification (Third Edition), RFC 1950.
 
-// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory. Noise, which is not what is drawn, would be
-// smaller by a third without a filter.
+// Drawings are coherent from row to row, and Up turns that into zeros at the speed of memory.
 
 use std::ops::Range;
 
 use super::deflate::{self, Block};
-use super::{Encode, Format, Part, STRIP_BYTES, Strip, rows};
+use super::{Encode, Format, Part, Strip, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run};
 
 /// The format.
@@ -38,7 +37,7 @@ pub const FORMAT: Format = Format {
 
 /// Rows of a segment: about 256 KiB of them, but 16, if that is at most 1 MiB, so that few are not filtered.
 fn segment_rows(row_bytes: usize) -> u32 {
-    rows::lines_of(STRIP_BYTES, row_bytes).max(rows::lines_of(1 << 20, row_bytes).min(16))
+    rows::lines_of(1 << 18, row_bytes).max(rows::lines_of(1 << 20, row_bytes).min(16))
 }
 
 /// What the pixels of a row are.

@@ -3,7 +3,7 @@
 //! A row is paper first, and then painted run by run, a byte at a time. It is done once for equal lines; the rest are copies. The
 //! first pass is what makes room for the row at all, so that every byte is touched by the few passes that it needs.
 
-use super::{Encode, Part, STRIP_BYTES, Strip};
+use super::{Encode, Part, Strip};
 use crate::run::{Lines, Rgb, Run};
 
 /// A byte of equal pixels of `depth` bits (1, 2, 4 or 8): at 2 bits, pixel 3 is 3 · 0b01010101.
@@ -58,6 +58,10 @@ pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Block]) {
         rest.copy_from_slice(&block[..rest.len()]);
     }
 }
+
+/// About how many bytes of rows are a strip, and so are written at once: half of what a core's second cache holds; smaller ones
+/// cost more on the way than they save in it.
+const STRIP_BYTES: usize = 1 << 19;
 
 /// A writer of `head` and then rows of `row_bytes` bytes, which are `paper` before `paint` writes its runs over them.
 pub fn plain(head: String, row_bytes: usize, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {

@@ -23,6 +23,9 @@ const STORED_RUNS: usize = 3 << 18;
 /// Strips that may be stored before sweeping waits.
 const STRIPS: usize = 1 << 10;
 
+/// Most strips whose bytes are kept, however many threads there are.
+const WINDOW: usize = 32;
+
 /// Runs of a strip, about.
 const STRIP_RUNS: usize = 1 << 16;
 
@@ -35,8 +38,8 @@ pub struct Sweep {
 
 impl Sweep {
     /// A sweep about to begin.
-    pub fn new(rows: Rows) -> Sweep {
-        Sweep { rows, left: (0, 0) }
+    pub fn new(rows: Rows) -> Box<Sweep> {
+        Box::new(Sweep { rows, left: (0, 0) })
     }
 
     /// Fills `strip` up to a multiple of `lines` lines, or with about [`STRIP_RUNS`] runs; false behind the last line.
@@ -77,7 +80,7 @@ enum Cell {
 
 struct Band {
     /// Absent while somebody sweeps it on, and behind its end.
-    sweep: Option<Sweep>,
+    sweep: Option<Box<Sweep>>,
     /// What it has cost, behind its end.
     cost: Option<Cost>,
     /// Strips that were taken already.
@@ -88,7 +91,7 @@ struct Band {
 /// What is to be done.
 pub enum Work {
     /// Sweep the band of that number on; it begins if there is no sweep.
-    Sweep(usize, Option<Sweep>),
+    Sweep(usize, Option<Box<Sweep>>),
     /// Encode a strip: its band, its place in the band.
     Encode(usize, usize, Ready),
     /// Write the next strip.
@@ -133,7 +136,7 @@ impl Queue {
     /// A queue of that many bands, for that many threads.
     pub fn new(bands: usize, threads: usize) -> Queue {
         let [to_writer, to_helpers] = [Condvar::new(), Condvar::new()];
-        Queue { state: Mutex::default(), to_writer, to_helpers, bands, threads, window: 2 * threads + 6 }
+        Queue { state: Mutex::default(), to_writer, to_helpers, bands, threads, window: (threads + 2).min(WINDOW) }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -222,7 +225,7 @@ impl Queue {
     }
 
     /// Sweeps a band on by a strip, cut at multiples of `lines` lines.
-    pub fn sweep(&self, band: usize, mut sweep: Sweep, lines: u32) {
+    pub fn sweep(&self, band: usize, mut sweep: Box<Sweep>, lines: u32) {
         let mut strip = self.state().spare_strips.pop().unwrap_or_default();
         let more = sweep.fill(&mut strip, lines);
         let mut state = self.state();
