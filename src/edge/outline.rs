@@ -61,19 +61,30 @@ pub(super) struct Outline {
     /// The chain that the ring began in the middle of, until the ring is closed.
     opening: Option<Chain>,
     pieces: Vec<Piece>,
+    /// Of the points at hand: the first scanlines that are not above them.
+    rows: Box<[u32; PART]>,
     /// Whether edges right of the page were dropped.
     pub(super) open: bool,
 }
 
 impl Outline {
     pub(super) fn new(width: u32, height: u32) -> Outline {
-        Outline { width, height, ring: None, chain: Chain::default(), opening: None, pieces: Vec::new(), open: false }
+        Outline {
+            width,
+            height,
+            ring: None,
+            chain: Chain::default(),
+            opening: None,
+            pieces: Vec::new(),
+            rows: Box::new([0; PART]),
+            open: false,
+        }
     }
 
     /// Goes on with the ring, by at most [`PART`] points, all of them finite. Hands the chains that end to `add`: first row, edges, winding. Gives the number of edges.
     pub(super) fn points(&mut self, points: &[Point], add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) -> u64 {
         let Some(&first) = points.first() else { return 0 };
-        let mut rows = [0; PART];
+        let rows = &mut self.rows;
         if points.iter().fold(true, |near, p| near & (p[1].abs() <= grid::NEAR)) {
             let height = i64::from(self.height);
             rows.iter_mut().zip(points).for_each(|(row, p)| *row = grid::first_centre(grid::steps(p[1])).clamp(0, height) as u32);
@@ -86,7 +97,8 @@ impl Outline {
         let mut seen = u64::from(at.point != first.point);
         seen += points.windows(2).fold(0, |seen, pair| seen + u64::from(pair[0] != pair[1]));
         // Most edges of fine outlines meet no scanline.
-        for (&point, &row) in points.iter().zip(&rows) {
+        for (i, &point) in points.iter().enumerate() {
+            let row = self.rows[i];
             if row != at.row {
                 self.edge(at, Vertex { point, row }, add);
             }

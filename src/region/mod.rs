@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use self::tangle::Tangle;
-use self::walk::{Boundary, LEFT_SIDE, Walk};
+use self::walk::{LEFT_SIDE, Walk};
 use crate::count::Program;
 use crate::edge::{Outlines, Side};
 use crate::run::{Lines, Run};
@@ -145,16 +145,16 @@ impl Rows {
 
     /// A row without order, or if it may not differ from the one above the first in order again.
     fn next_loose(&mut self) -> Option<(u32, u32)> {
-        let Loose { y, changed } = self.sweep.next_loose(&self.picture.outlines.edges)?;
+        let Loose { y, active, changed } = self.sweep.next_loose(&self.picture.outlines.edges, self.picture.width)?;
         let (positions, sides) = (self.sweep.positions(), self.sweep.tags());
         // With fewer edges even counting all of them in order is no dearer.
-        let pays = |tangle: &&mut Tangle| tangle.cost(positions.len()) <= (STEP + MOVE + self.walk.crossing()) * positions.len();
+        let pays = |tangle: &&mut Tangle| tangle.cost(active) <= (STEP + MOVE + self.walk.crossing()) * active;
         if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(|tangle| changed && pays(tangle)) {
             tangle.runs(&self.picture, positions, sides, &mut self.runs);
             self.cost.counted += 1;
             self.cost.tangled += 1;
-            self.cost.toggles += positions.len() as u64;
-            self.cost.peak_active = self.cost.peak_active.max(positions.len() as u64);
+            self.cost.toggles += active as u64;
+            self.cost.peak_active = self.cost.peak_active.max(active as u64);
         } else {
             self.sweep.tighten();
             self.loose = false;
@@ -218,15 +218,18 @@ impl Rows {
     /// Turns boundaries and columns into runs. A boundary at the left side and one in column 0 coincide, and one in the last column is
     /// behind the page: both leave an empty run, which is dropped.
     fn emit(&mut self) {
-        let (columns, boundaries) = (self.sweep.columns(), self.walk.boundaries());
-        let column = |boundary: &Boundary| if boundary.edge == LEFT_SIDE { 0 } else { columns[boundary.edge as usize] };
+        let columns = self.sweep.columns();
         self.runs.clear();
-        for (i, boundary) in boundaries.iter().enumerate() {
-            let start = column(boundary);
-            let end = boundaries.get(i + 1).map_or(self.picture.width, column);
-            if boundary.ink != PAPER && start < end {
-                self.runs.push(Run { start, end, ink: boundary.ink });
+        let (mut start, mut ink) = (0, PAPER);
+        for boundary in self.walk.boundaries() {
+            let end = if boundary.edge == LEFT_SIDE { 0 } else { columns[boundary.edge as usize] };
+            if ink != PAPER && start < end {
+                self.runs.push(Run { start, end, ink });
             }
+            (start, ink) = (end, boundary.ink);
+        }
+        if ink != PAPER && start < self.picture.width {
+            self.runs.push(Run { start, end: self.picture.width, ink });
         }
     }
 }

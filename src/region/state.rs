@@ -27,8 +27,9 @@ pub(super) struct Table {
     counts: [i32; FEW],
     /// By leaf: the bits of its count of which one is set where it holds.
     masks: [i32; FEW],
-    /// The leaves that hold.
+    /// The leaves that hold, here and at the left side.
     inside: usize,
+    outside: usize,
     /// By the leaves that hold.
     inks: Vec<u32>,
 }
@@ -65,6 +66,14 @@ impl State {
         match self {
             State::Table(table) => table.set(leaf, count),
             State::Program(counted) => counted.counters.set(leaf, count),
+        }
+    }
+
+    /// Goes back to the left side from where not all windings are 0: those of the edges passed are taken back. To be settled.
+    pub(super) fn rewind(&mut self, sides: &[Side], list: &[Entry]) {
+        match self {
+            State::Table(table) => (table.counts, table.inside) = ([0; FEW], table.outside),
+            State::Program(counted) => list.iter().for_each(|entry| counted.counters.set(sides[entry.slot()].leaf, 0)),
         }
     }
 
@@ -125,11 +134,12 @@ impl Table {
         let rule = |leaf: usize| program.rule(leaf as u32);
         // A count that makes a leaf hold, and one that does not; leaves that hold everywhere have no edges.
         let count = |leaf: usize, holds: bool| if let Rule::AtLeast(k) = rule(leaf) { k - i32::from(!holds) } else { i32::from(holds) };
-        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, inks: Vec::new() };
+        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, outside: 0, inks: Vec::new() };
         for leaf in 0..leaves {
             table.masks[leaf] = if rule(leaf) == Rule::Odd { 1 } else { -1 };
             table.inside |= usize::from(rule(leaf).holds(0)) << leaf;
         }
+        table.outside = table.inside;
         for inside in 0..1 << leaves {
             let Counted { counters, layers } = &mut counted;
             (0..leaves).for_each(|leaf| counters.set(leaf as u32, count(leaf, inside >> leaf & 1 == 1)));

@@ -53,7 +53,7 @@ pub(super) struct Walk {
 
 impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
-        let difference = Difference { windings: vec![0; picture.program.leaves()], unequal: 0 };
+        let difference = Difference(vec![0; picture.program.leaves()]);
         let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.leaves()], stretch: 0 };
         Walk { state: State::new(picture), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
     }
@@ -117,34 +117,26 @@ impl Walk {
             }
             // What differs, until the windings are the same again.
             let start = i;
-            loop {
-                let end = if i < new.len() { line.group(i) } else { i };
+            let mut unequal = 0;
+            while i < new.len() && (unequal != 0 || i == start || old.get(j) != Some(&new[i])) {
+                let end = line.group(i);
                 for entry in &new[i..end] {
-                    difference.add(sides[entry.slot()], 1);
-                    if entry.has_entered() {
-                        continue;
-                    }
-                    while old.get(j).is_some_and(|entry| sweep.has_ended(entry.slot())) {
-                        difference.add(sides[old[j].slot()], -1);
-                        j += 1;
-                    }
-                    if let Some(entry) = old.get(j) {
-                        difference.add(sides[entry.slot()], -1);
+                    unequal += difference.pass(sides[entry.slot()], 1);
+                    // What stands in its place in the other list, and what stood before that and has ended.
+                    let mut places = usize::from(!entry.has_entered());
+                    while let Some(entry) = old.get(j).filter(|entry| places > 0 || sweep.has_ended(entry.slot())) {
+                        unequal += difference.pass(sides[entry.slot()], -1);
+                        places -= usize::from(places > 0 && !sweep.has_ended(entry.slot()));
                         j += 1;
                     }
                 }
                 i = end;
-                while j < old.len() && (i == new.len() || sweep.has_ended(old[j].slot())) {
-                    difference.add(sides[old[j].slot()], -1);
-                    j += 1;
-                }
-                if i == new.len() || (difference.unequal == 0 && j < old.len() && new[i] == old[j]) {
-                    break;
-                }
             }
             counted += i - start;
             if i == new.len() {
-                difference.clear(sides, new, old);
+                if unequal != 0 || j < old.len() {
+                    difference.clear(sides, new, old);
+                }
                 break;
             }
         }
@@ -155,7 +147,7 @@ impl Walk {
     /// Takes the counters back to the left side, and keeps the list.
     fn finish(&mut self, picture: &Picture, sweep: &Sweep<Side>) {
         if picture.outlines.open {
-            sweep.list().iter().for_each(|entry| self.state.set(sweep.tags()[entry.slot()].leaf, 0));
+            self.state.rewind(sweep.tags(), sweep.list());
         }
         self.state.settle(&picture.program);
         self.list.clear();
@@ -255,31 +247,20 @@ struct Windings {
 
 /// By leaf: windings passed in one list less those passed in the other.
 #[derive(Clone, Debug)]
-struct Difference {
-    windings: Vec<i32>,
-    /// How many are not 0.
-    unequal: usize,
-}
+struct Difference(Vec<i32>);
 
 impl Difference {
+    /// Passes an edge. Gives by how many more leaves the windings differ.
     #[inline]
-    fn add(&mut self, side: Side, sign: i32) {
-        let winding = &mut self.windings[side.leaf as usize];
-        let before = *winding;
+    fn pass(&mut self, side: Side, sign: i32) -> isize {
+        let winding = &mut self.0[side.leaf as usize];
+        let differed = *winding != 0;
         *winding += sign * side.winding;
-        match (before, *winding) {
-            (0, 0) => {}
-            (0, _) => self.unequal += 1,
-            (_, 0) => self.unequal -= 1,
-            _ => {}
-        }
+        isize::from(*winding != 0) - isize::from(differed)
     }
 
     /// All 0 again, after lists that do not come back to 0 at their ends.
     fn clear(&mut self, sides: &[Side], new: &[Entry], old: &[Entry]) {
-        if self.unequal > 0 {
-            new.iter().chain(old).for_each(|entry| self.windings[sides[entry.slot()].leaf as usize] = 0);
-            self.unequal = 0;
-        }
+        new.iter().chain(old).for_each(|entry| self.0[sides[entry.slot()].leaf as usize] = 0);
     }
 }

@@ -20,7 +20,7 @@
 use std::ops::Range;
 
 use super::Edges;
-use super::slots::Slots;
+use super::slots::{NEVER, Slots};
 use crate::line;
 
 /// What a sweep has come to.
@@ -39,6 +39,8 @@ pub struct Scanline {
 pub struct Loose {
     /// The scanline.
     pub y: u32,
+    /// How many edges are active.
+    pub active: usize,
     /// Whether edges entered or left since the scanline before, or some of them certainly crossed.
     pub changed: bool,
 }
@@ -104,6 +106,9 @@ pub struct Sweep<T> {
 /// A list may have so many slots without an edge before it is made anew, beside three for each with one.
 const SPARE: usize = 64;
 
+/// Columns that are looked through at once for order.
+const BLOCK: usize = 32;
+
 /// To find an edge's place in the list by halving takes about as long as to pass so many.
 const HALVING: usize = 32;
 
@@ -141,7 +146,7 @@ impl<T: Copy> Sweep<T> {
     /// Whether the chain in a slot, which was active on the scanline above, has ended.
     #[inline]
     pub fn has_ended(&self, slot: usize) -> bool {
-        self.slots.until[slot] == u32::MAX
+        self.slots.has_ended(slot)
     }
 
     /// Whether slots have other numbers than on the scanline above; so it is on the first.
@@ -157,7 +162,7 @@ impl<T: Copy> Sweep<T> {
         }
         self.renumbered = !self.started;
         let changed = if self.started { self.advance(edges, y) } else { self.start(edges, y) };
-        let n = if self.slots.moving > 0 { 1 } else { self.slots.leave.min(edges.first(self.entry)).min(self.rows.end) - y };
+        let n = if self.slots.moving > 0 { 1 } else { self.slots.leave(y).min(edges.first(self.entry)).min(self.rows.end) - y };
         self.rows.start = y + n;
         debug_assert!(self.check(y));
         Some(Scanline { y, n, changed })
@@ -170,16 +175,18 @@ impl<T: Copy> Sweep<T> {
         let placed = self.columns.iter().zip(active()).all(|(&column, slot)| column == slots.column(slot));
         let tie = |i: usize| i > 0 && self.columns[i] == self.columns[i - 1];
         let ties = self.list.iter().enumerate().all(|(i, entry)| entry.is_tied() == tie(i));
-        let leave = active().map(|slot| slots.until[slot]).min().unwrap_or(u32::MAX);
+        let leave = active().map(|slot| slots.until[slot]).min().unwrap_or(NEVER) as u32;
+        let leave = leave == slots.leave(y) && leave > y;
         let moving = active().filter(|&slot| slots.steps[slot] != 0).count();
         let free = slots.len() - self.list.len() == slots.free.len() + slots.ended.len();
-        self.columns.is_sorted() && placed && ties && leave == slots.leave && leave > y && moving == slots.moving && free
+        self.columns.is_sorted() && placed && ties && leave && moving == slots.moving && free
     }
 
     /// Fills the list for the first scanline.
     fn start(&mut self, edges: &Edges<T>, y: u32) -> bool {
         self.started = true;
         self.entry = edges.entry(y);
+        self.slots.turn(y);
         edges.straddling(y).for_each(|chain| _ = self.slots.occupy(edges, chain, y));
         self.order();
         self.enter(edges, y);
@@ -199,16 +206,17 @@ impl<T: Copy> Sweep<T> {
         if std::mem::take(&mut self.entered) {
             self.list.iter_mut().for_each(|entry| *entry = entry.stays());
         }
-        let moved = self.slots.step();
+        let moved = self.slots.step(y);
         let replaced = self.slots.replace(edges, y);
         let left = !self.slots.ended.is_empty();
         if left {
             self.remove();
         }
-        let ordered = !(moved || replaced) || self.place();
         self.moved = 0;
-        if !ordered {
-            self.settle();
+        let mut ordered = true;
+        if moved || replaced {
+            self.place();
+            ordered = !self.settle();
         }
         let entered = self.enter(edges, y);
         // Not in the expression: tie() also renews the ties.
@@ -252,43 +260,52 @@ impl<T: Copy> Sweep<T> {
         self.columns.truncate(self.list.len());
     }
 
-    /// Looks up the columns of this scanline. False if they are not in order.
-    fn place(&mut self) -> bool {
-        let mut before = 0;
-        let mut ordered = true;
+    /// Looks up the columns of this scanline.
+    fn place(&mut self) {
         for (column, entry) in self.columns.iter_mut().zip(&self.list) {
             *column = self.slots.column(entry.slot());
-            ordered &= before <= *column;
-            before = *column;
         }
-        ordered
     }
 
     /// Puts the list in order of columns: by insertion where little is out of place, as coherence lets expect (section 2.2.3), else by
-    /// sorting.
-    fn settle(&mut self) {
+    /// sorting. True if something was out of order.
+    fn settle(&mut self) -> bool {
+        // Columns of a page are below 2^31: signed numbers, many of which are compared at once.
+        let sorted = |columns: &[u32]| columns.windows(2).fold(true, |sorted, pair| sorted & (pair[0] as i32 <= pair[1] as i32));
         let mut budget = 4 * self.columns.len() + 64;
-        for i in 1..self.columns.len() {
-            let column = self.columns[i];
-            if self.columns[i - 1] <= column {
+        for start in (1..self.columns.len()).step_by(BLOCK) {
+            let end = self.columns.len().min(start + BLOCK);
+            if sorted(&self.columns[start - 1..end]) {
                 continue;
             }
-            let entry = self.list[i];
-            let mut to = i;
-            while to > 0 && self.columns[to - 1] > column {
-                (self.columns[to], self.list[to]) = (self.columns[to - 1], self.list[to - 1]);
-                to -= 1;
-            }
-            (self.columns[to], self.list[to]) = (column, entry);
-            self.moved += i - to;
-            match budget.checked_sub(i - to) {
-                Some(left) => budget = left,
-                None => {
-                    self.sort();
-                    break;
+            for i in start..end {
+                if self.columns[i - 1] <= self.columns[i] {
+                    continue;
+                }
+                let moved = self.insert(i);
+                self.moved += moved;
+                match budget.checked_sub(moved) {
+                    Some(left) => budget = left,
+                    None => {
+                        self.sort();
+                        return true;
+                    }
                 }
             }
         }
+        self.moved > 0
+    }
+
+    /// Moves an entry to its place in front of it, if those there are in order. Gives by how many places.
+    fn insert(&mut self, i: usize) -> usize {
+        let (column, entry) = (self.columns[i], self.list[i]);
+        let mut to = i;
+        while to > 0 && self.columns[to - 1] > column {
+            (self.columns[to], self.list[to]) = (self.columns[to - 1], self.list[to - 1]);
+            to -= 1;
+        }
+        (self.columns[to], self.list[to]) = (column, entry);
+        i - to
     }
 
     fn sort(&mut self) {
@@ -363,21 +380,21 @@ impl<T: Copy> Sweep<T> {
         self.entered = false;
     }
 
-    /// Goes to the next scanline without order. `None` behind the last.
-    pub fn next_loose(&mut self, edges: &Edges<T>) -> Option<Loose> {
+    /// Goes to the next scanline without order; `width` is that of the page. `None` behind the last.
+    pub fn next_loose(&mut self, edges: &Edges<T>, width: u32) -> Option<Loose> {
         let y = self.rows.start;
         if y >= self.rows.end {
             return None;
         }
         self.rows.start += 1;
-        self.slots.step();
+        self.slots.step(y);
         self.slots.replace(edges, y);
-        let left = !self.slots.ended.is_empty();
-        self.slots.close_gaps();
+        self.slots.lay_aside(width);
         let entering = edges.entering(self.entry, y);
         self.entry += entering.len();
         entering.iter().for_each(|chain| _ = self.slots.occupy(edges, chain, y));
-        Some(Loose { y, changed: left || !entering.is_empty() || self.has_crossed(y) })
+        let changed = !self.slots.ended.is_empty() || !entering.is_empty() || self.has_crossed(y);
+        Some(Loose { y, active: self.slots.len() - self.slots.free.len() - self.slots.ended.len(), changed })
     }
 
     /// Whether two edges certainly stand in another order than on the scanline above. Neighbours by slot are looked at: in a tangle some of them have crossed.
@@ -390,13 +407,15 @@ impl<T: Copy> Sweep<T> {
         (1..slots.len()).any(|slot| order(slot - 1) == Some(true))
     }
 
-    /// Positions of the active edges of a loose sweep, by slot; [`line::column`] reads them.
+    /// Positions of the edges of a loose sweep, by slot; [`line::column`] reads them. Those that are not active any more are in the column behind the page.
     pub fn positions(&self) -> &[u64] {
         &self.slots.at
     }
 
     /// Puts a loose sweep in order again, on the scanline where it stands.
     pub fn tighten(&mut self) {
+        let active: Vec<usize> = (0..self.slots.len()).filter(|&slot| !self.slots.has_ended(slot)).collect();
+        self.slots.renumber(&active);
         self.order();
         self.tie();
         self.renumbered = true;

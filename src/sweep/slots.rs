@@ -1,7 +1,8 @@
 //! Slots: the active edges as they are stepped, in no order.
 //!
 //! An active chain has a slot for as long as it is active. Positions and steps stand in arrays of their own, so that a scanline is one addition along
-//! them; an edge that takes the place of another changes its slot and nothing else.
+//! them; an edge that takes the place of another changes its slot and nothing else. Which edges end on a scanline is known beforehand: those that end within
+//! the next scanlines, a *turn* of them, wait in a list for each.
 
 use super::{Chain, Edge, Edges};
 use crate::line;
@@ -16,23 +17,35 @@ pub(super) struct Active {
     renewed: u32,
 }
 
+/// Behind every page.
+pub(super) const NEVER: i32 = i32::MAX;
+
+/// Scanlines to a turn; a power of two.
+const TURN: u32 = 256;
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+
 /// The slots of a sweep.
 #[derive(Clone, Debug)]
 pub(super) struct Slots<T> {
     /// Positions and steps of [`line::Line::parts`]; a free slot has step 0.
     pub(super) at: Vec<u64>,
     pub(super) steps: Vec<u64>,
-    /// The scanline behind the last of the edge; `u32::MAX` if the chain has ended or the slot is free.
-    pub(super) until: Vec<u32>,
+    /// The scanline behind the last of the edge; [`NEVER`] if the chain has ended or the slot is free.
+    pub(super) until: Vec<i32>,
     pub(super) actives: Vec<Active>,
     pub(super) tags: Vec<T>,
     pub(super) free: Vec<u32>,
+    /// For every scanline of the turn the first slot whose edge ends above it; by slot the next of them.
+    due: Vec<u32>,
+    next_due: Vec<u32>,
+    /// The scanline behind the turn.
+    turn: u32,
     /// Slots whose chains ended on this scanline, with their columns on the one above. They are free from the next on.
     pub(super) ended: Vec<(u32, u32)>,
     /// How many active edges are not vertical.
     pub(super) moving: usize,
-    /// The first scanline at which an active edge has ended.
-    pub(super) leave: u32,
 }
 
 impl<T: Copy> Slots<T> {
@@ -46,7 +59,9 @@ impl<T: Copy> Slots<T> {
             free: Vec::new(),
             ended: Vec::new(),
             moving: 0,
-            leave: u32::MAX,
+            due: vec![NONE; TURN as usize],
+            next_due: Vec::new(),
+            turn: 0,
         }
     }
 
@@ -61,52 +76,74 @@ impl<T: Copy> Slots<T> {
         line::column(self.at[slot])
     }
 
-    /// The column of a slot on the scanline above, if its edge was there.
+    /// The column of a slot on the scanline above, if its edge was there and still is.
     pub(super) fn column_above(&self, slot: usize, y: u32) -> Option<u32> {
-        (self.actives[slot].renewed < y).then(|| line::column(self.at[slot].wrapping_sub(self.steps[slot])))
+        (self.actives[slot].renewed < y && !self.has_ended(slot)).then(|| line::column(self.at[slot].wrapping_sub(self.steps[slot])))
     }
 
-    /// Goes down one scanline. True if columns may differ.
-    pub(super) fn step(&mut self) -> bool {
+    /// Goes down to scanline `y`, the next of which more is known than that it repeats. True if columns may differ.
+    pub(super) fn step(&mut self, y: u32) -> bool {
         self.free.extend(self.ended.drain(..).map(|(slot, _)| slot));
+        self.turn(y);
         if self.moving > 0 {
             self.at.iter_mut().zip(&self.steps).for_each(|(at, step)| *at = at.wrapping_add(*step));
         }
         self.moving > 0
     }
 
+    /// Begins the next turn, if `y` is behind this one.
+    pub(super) fn turn(&mut self, y: u32) {
+        if y >= self.turn {
+            self.turn = (y / TURN + 1) * TURN;
+            (0..self.len()).for_each(|slot| self.wait(slot));
+        }
+    }
+
+    /// Puts a slot to those that wait for a scanline of this turn.
+    fn wait(&mut self, slot: usize) {
+        let until = self.until[slot] as u32;
+        if until < self.turn {
+            self.next_due[slot] = std::mem::replace(&mut self.due[(until % TURN) as usize], slot as u32);
+        }
+    }
+
+    /// The first scanline below `y` at which an active edge has ended.
+    pub(super) fn leave(&self, y: u32) -> u32 {
+        let soon = (y + 1..self.turn).find(|row| self.due[(row % TURN) as usize] != NONE);
+        soon.unwrap_or_else(|| self.until.iter().fold(NEVER, |leave, &until| if until < leave { until } else { leave }) as u32)
+    }
+
     /// Puts the next edges of their chains in the place of those that have ended, and notes the chains that have. True if an edge was replaced.
     pub(super) fn replace(&mut self, edges: &Edges<T>, y: u32) -> bool {
-        if y < self.leave {
+        let mut replaced = false;
+        let mut slot = std::mem::replace(&mut self.due[(y % TURN) as usize], NONE);
+        while slot != NONE {
+            let next = self.next_due[slot as usize];
+            replaced |= self.renew(edges, slot as usize, y);
+            slot = next;
+        }
+        replaced
+    }
+
+    /// Puts the next edge of its chain in the place of one that has ended, if there is one.
+    fn renew(&mut self, edges: &Edges<T>, slot: usize, y: u32) -> bool {
+        let active = &mut self.actives[slot];
+        let (at, step) = (&mut self.at[slot], &mut self.steps[slot]);
+        self.moving -= usize::from(*step != 0);
+        if active.next == active.end {
+            self.until[slot] = NEVER;
+            self.ended.push((slot as u32, line::column(at.wrapping_sub(*step))));
+            *step = 0;
             return false;
         }
-        let mut replaced = false;
-        let mut leave = u32::MAX;
-        for (block, start) in self.until.chunks_mut(16).zip((0..).step_by(16)) {
-            if block.iter().fold(false, |any, &until| any | (until <= y)) {
-                for (until, slot) in block.iter_mut().zip(start..).filter(|(until, _)| **until <= y) {
-                    let active = &mut self.actives[slot];
-                    let (at, step) = (&mut self.at[slot], &mut self.steps[slot]);
-                    self.moving -= usize::from(*step != 0);
-                    if active.next < active.end {
-                        let Edge { last, line } = edges.edges[active.next as usize];
-                        active.next += 1;
-                        active.renewed = y;
-                        *until = last;
-                        (*at, *step) = line.parts();
-                        self.moving += usize::from(*step != 0);
-                        replaced = true;
-                    } else {
-                        *until = u32::MAX;
-                        self.ended.push((slot as u32, line::column(at.wrapping_sub(*step))));
-                        *step = 0;
-                    }
-                }
-            }
-            leave = block.iter().fold(leave, |leave, &until| leave.min(until));
-        }
-        self.leave = leave;
-        replaced
+        let Edge { last, line } = edges.edges[active.next as usize];
+        active.next += 1;
+        active.renewed = y;
+        self.until[slot] = last as i32;
+        (*at, *step) = line.parts();
+        self.moving += usize::from(*step != 0);
+        self.wait(slot);
+        true
     }
 
     /// Gives a chain a slot, with the edge that it has on scanline `y`.
@@ -115,17 +152,19 @@ impl<T: Copy> Slots<T> {
         let ((at, step), active) = (line.parts(), Active { next, end: chain.end, renewed: y });
         debug_assert!(until > y);
         self.moving += usize::from(step != 0);
-        self.leave = self.leave.min(until);
         if let Some(slot) = self.free.pop() {
             let i = slot as usize;
-            (self.at[i], self.steps[i], self.until[i], self.actives[i], self.tags[i]) = (at, step, until, active, chain.tag);
+            (self.at[i], self.steps[i], self.until[i], self.actives[i], self.tags[i]) = (at, step, until as i32, active, chain.tag);
+            self.wait(i);
             return slot;
         }
         self.at.push(at);
         self.steps.push(step);
-        self.until.push(until);
+        self.until.push(until as i32);
         self.actives.push(active);
         self.tags.push(chain.tag);
+        self.next_due.push(NONE);
+        self.wait(self.len() - 1);
         self.len() as u32 - 1
     }
 
@@ -138,18 +177,20 @@ impl<T: Copy> Slots<T> {
         self.tags = order.iter().map(|&slot| self.tags[slot]).collect();
         self.free.clear();
         self.ended.clear();
+        self.next_due.truncate(order.len());
+        self.due.fill(NONE);
+        (0..self.len()).for_each(|slot| self.wait(slot));
     }
 
-    /// Fills the slots of chains that have ended with the last ones.
-    pub(super) fn close_gaps(&mut self) {
-        self.ended.sort_unstable();
-        for (slot, _) in self.ended.drain(..).rev() {
-            let slot = slot as usize;
-            self.at.swap_remove(slot);
-            self.steps.swap_remove(slot);
-            self.until.swap_remove(slot);
-            self.actives.swap_remove(slot);
-            self.tags.swap_remove(slot);
+    /// Whether the chain in a slot has ended, on this scanline or before.
+    pub(super) fn has_ended(&self, slot: usize) -> bool {
+        self.until[slot] == NEVER
+    }
+
+    /// Lays the slots that are not active in a column, that behind the page's last, where they change nothing.
+    pub(super) fn lay_aside(&mut self, width: u32) {
+        for &(slot, _) in &self.ended {
+            self.at[slot as usize] = line::Line::vertical(width).parts().0;
         }
     }
 }
