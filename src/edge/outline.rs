@@ -58,8 +58,9 @@ pub(super) struct Outline {
     /// Where the ring began, and where it has come to.
     ring: Option<[Vertex; 2]>,
     chain: Chain,
-    /// The chain that the ring began in the middle of, until the ring is closed.
-    opening: Option<Chain>,
+    /// The chain that the ring began in the middle of, kept until the ring is closed once it `has_opened`.
+    opening: Chain,
+    has_opened: bool,
     pieces: Vec<Piece>,
     /// Of the points at hand: the first scanlines that are not above them.
     rows: Box<[u32; PART]>,
@@ -74,7 +75,7 @@ impl Outline {
             height,
             ring: None,
             chain: Chain::default(),
-            opening: None,
+            opening: Chain::default(), has_opened: false,
             pieces: Vec::new(),
             rows: Box::new([0; PART]),
             open: false,
@@ -114,13 +115,13 @@ impl Outline {
         if start.row != at.row {
             self.edge(at, start, add);
         }
-        let opening = self.opening.take().unwrap_or_default();
-        if let Some(Stretch { first, edge }) = opening.stretches.first() {
-            if !self.chain.goes_on(opening.downwards, *first, edge.last) {
+        if std::mem::take(&mut self.has_opened) {
+            let Chain { stretches, downwards } = &mut self.opening;
+            if !self.chain.goes_on(*downwards, stretches[0].first, stretches[0].edge.last) {
                 hand_on(&mut self.chain, add);
             }
-            self.chain.downwards = opening.downwards;
-            self.chain.stretches.extend(opening.stretches);
+            self.chain.downwards = *downwards;
+            self.chain.stretches.append(stretches);
         }
         hand_on(&mut self.chain, add);
         u64::from(start.point != at.point)
@@ -145,8 +146,9 @@ impl Outline {
         };
         if !self.chain.goes_on(downwards, top.row, bottom.row) {
             // The first that ends is where the ring began.
-            if self.opening.is_none() && !self.chain.stretches.is_empty() {
-                self.opening = Some(std::mem::take(&mut self.chain));
+            if !self.has_opened && !self.chain.stretches.is_empty() {
+                std::mem::swap(&mut self.opening, &mut self.chain);
+                self.has_opened = true;
             } else {
                 hand_on(&mut self.chain, add);
             }

@@ -104,11 +104,9 @@ impl Walk {
                     same -= 1;
                 }
             }
-            while self.before.get(kept).is_some_and(|boundary| (boundary.edge as usize) < j) {
-                kept += 1;
-            }
+            kept += self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j).count();
             let known = self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j + same).count();
-            line.keep(&self.before[kept..kept + known], i as isize - j as isize);
+            line.keep(&self.before[kept..kept + known], i as u32, j as u32);
             kept += known;
             line.skip(i..i + same);
             (i, j) = (i + same, j + same);
@@ -187,13 +185,14 @@ impl<'a> Line<'a> {
         self.boundaries.push(Boundary { edge: edge as u32, ink });
     }
 
-    /// Takes over boundaries whose edges stand further on in the list, or further back.
-    fn keep(&mut self, boundaries: &[Boundary], shift: isize) {
-        let moved = |boundary: &Boundary| Boundary { edge: boundary.edge.wrapping_add(shift as u32), ..*boundary };
-        self.boundaries.extend(boundaries.iter().map(moved));
-        if let Some(last) = boundaries.last() {
-            self.ink = last.ink;
+    /// Takes over boundaries of a stretch that stands at `i` in the list, and stood at `j`.
+    fn keep(&mut self, boundaries: &[Boundary], i: u32, j: u32) {
+        let from = self.boundaries.len();
+        self.boundaries.extend_from_slice(boundaries);
+        if i != j {
+            self.boundaries[from..].iter_mut().for_each(|boundary| boundary.edge = boundary.edge.wrapping_add(i.wrapping_sub(j)));
         }
+        self.ink = boundaries.last().map_or(self.ink, |last| last.ink);
     }
 
     /// Goes to the end of a stretch whose boundaries are known.

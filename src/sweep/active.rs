@@ -387,6 +387,9 @@ impl<T: Copy> Sweep<T> {
             return None;
         }
         self.rows.start += 1;
+        if self.slots.free.len() * 4 > self.slots.len() {
+            self.compact();
+        }
         self.slots.step(y);
         self.slots.replace(edges, y);
         self.slots.lay_aside(width);
@@ -412,10 +415,15 @@ impl<T: Copy> Sweep<T> {
         &self.slots.at
     }
 
-    /// Puts a loose sweep in order again, on the scanline where it stands.
-    pub fn tighten(&mut self) {
+    /// Numbers the slots of a loose sweep without those that are free.
+    fn compact(&mut self) {
         let active: Vec<usize> = (0..self.slots.len()).filter(|&slot| !self.slots.has_ended(slot)).collect();
         self.slots.renumber(&active);
+    }
+
+    /// Puts a loose sweep in order again, on the scanline where it stands.
+    pub fn tighten(&mut self) {
+        self.compact();
         self.order();
         self.tie();
         self.renumbered = true;
