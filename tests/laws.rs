@@ -10,7 +10,7 @@ use oracle::random::Rng;
 use oracle::{Expr, Function, Operator, Oracle, Scene};
 use runset::encode::{self, Format};
 use runset::input;
-use runset::job::{Job, More, Options, Stats};
+use runset::job::{Counting, Job, More, Options, Stats};
 use runset::scene::Limits;
 
 /// How often the random laws are tried: `RUNSET_EFFORT` times as much as by default.
@@ -40,13 +40,17 @@ fn rows(job: &Job) -> Vec<Row> {
     all
 }
 
+/// Compares every line with the oracle's, however crossings are counted.
 fn compare(scene: &Scene, what: &str) -> Job {
-    let job = job(scene, &Options::default());
     let oracle = Oracle::new(scene);
-    for (y, row) in rows(&job).into_iter().enumerate() {
-        assert_eq!(row, oracle.row(y as u32), "{what}, line {y}, expression {}", scene.expr);
+    let expected: Vec<Row> = (0..scene.height).map(|y| oracle.row(y)).collect();
+    for counting in [Counting::Measured, Counting::Ordered, Counting::Unordered] {
+        let job = job(scene, &Options { counting, ..Options::default() });
+        for (y, row) in rows(&job).into_iter().enumerate() {
+            assert_eq!(row, expected[y], "{what}, {counting:?}, line {y}, expression {}", scene.expr);
+        }
     }
-    job
+    job(scene, &Options::default())
 }
 
 fn rendered(job: &Job, format: &Format, threads: usize) -> (Vec<u8>, Stats) {
@@ -66,13 +70,91 @@ fn random_scenes_equal_the_brute_force() {
 fn edges_beside_pixel_centres() {
     for (seed, first_column) in [(1, 0), (2, 1_000_000)] {
         let near = oracle::near::scene(seed, 70_000, first_column);
-        let job = job(&near.scene, &Options::default());
-        let rows = rows(&job);
-        let oracle = Oracle::new(&near.scene);
-        for (y, row) in rows.iter().enumerate() {
-            assert_eq!(*row, oracle.row(y as u32), "line {y}");
-        }
+        compare(&near.scene, "edges beside pixel centres");
         assert!(near.touches.len() >= 20);
+    }
+}
+
+/// A few shapes of many long edges, on a page so high; below `calm` all that is left are upright edges.
+fn tangle(rng: &mut Rng, height: u32, calm: f64) -> Scene {
+    let width = rng.pick(&[64, 200, 257]);
+    let shapes = (0..1 + rng.below(4))
+        .map(|_| {
+            let tall = |rng: &mut Rng| rng.uniform(-20.0, calm);
+            let mut ring: Vec<(f64, f64)> = (0..300).map(|_| (rng.uniform(-30.0, f64::from(width) + 30.0), tall(rng))).collect();
+            for _ in 0..20 {
+                let x = rng.uniform(0.0, f64::from(width));
+                ring.extend([(x, calm), (x, f64::from(height) + 5.0), (x + 3.25, f64::from(height) + 5.0), (x + 3.25, calm)]);
+            }
+            oracle::Shape { rings: vec![ring], rule: if rng.one_in(2) { oracle::Rule::EvenOdd } else { oracle::Rule::NonZero } }
+        })
+        .collect::<Vec<_>>();
+    let expr = oracle::random::expr(rng, shapes.len() as u64, 3);
+    Scene { width, height, shapes, expr }
+}
+
+#[test]
+fn tangles_are_counted_without_order_and_come_to_rest() {
+    let mut unordered = 0;
+    for seed in 0..effort(12) {
+        let mut rng = Rng::new(seed);
+        let scene = tangle(&mut rng, 160, 100.0);
+        let job = compare(&scene, &format!("tangle {seed}"));
+        let (_, stats) = rendered(&job, encode::by_name("pbm").unwrap(), 1);
+        unordered += stats.lines_unordered;
+        // Below the tangle everything is upright: a line or two a band for the events there, and for finding that it is over.
+        assert!(stats.lines_counted <= 100 + 3 + 2 * 3, "{stats:?}");
+        let (_, ordered) = rendered(
+            &self::job(&scene, &Options { counting: Counting::Ordered, ..Options::default() }),
+            encode::by_name("pbm").unwrap(),
+            1,
+        );
+        assert_eq!(ordered.lines_unordered, 0);
+    }
+    assert!(unordered > 100, "{unordered} lines");
+}
+
+/// The topmost layer is seen, whichever way it is counted.
+#[test]
+fn layers_of_tangles_show_the_topmost() {
+    for seed in 0..effort(12) {
+        let mut rng = Rng::new(seed + 500);
+        let mut scene = tangle(&mut rng, 60, 55.0);
+        let layers: Vec<(Expr, u32)> =
+            (0..1 + rng.below(6)).map(|_| (oracle::random::expr(&mut rng, scene.shapes.len() as u64, 2), rng.below(4) as u32)).collect();
+        let inks = ["#102030", "#e4007f", "#00a0e9", "#fff100"];
+        let texts: Vec<String> =
+            layers.iter().map(|(e, ink)| format!("{{\"expr\":{:?},\"ink\":\"{}\"}}", e.to_string(), inks[*ink as usize])).collect();
+        scene.expr = Expr::Page;
+        let text = scene.json().replace("\"expr\":\"page\"", &format!("\"layers\":[{}]", texts.join(",")));
+        // What each layer holds, by the oracle.
+        let held: Vec<Vec<Row>> = layers
+            .iter()
+            .map(|(expr, _)| {
+                let scene = Scene { expr: expr.clone(), ..scene.clone() };
+                let oracle = Oracle::new(&scene);
+                (0..scene.height).map(|y| oracle.row(y)).collect()
+            })
+            .collect();
+        for counting in [Counting::Measured, Counting::Ordered, Counting::Unordered] {
+            let mut warnings = Vec::new();
+            let document = input::read(text.clone().into_bytes(), &Limits::default(), &mut warnings).unwrap();
+            let job = Job::prepare(document, &Options { counting, ..Options::default() }, &mut warnings).unwrap();
+            let mut rows = job.rows();
+            while let Some(lines) = rows.next() {
+                assert!(lines.check(scene.width, job.header().inks.len()), "{lines:?}");
+                for (y, x) in (lines.y..lines.y + lines.n).flat_map(|y| (0..scene.width).map(move |x| (y, x))) {
+                    let seen =
+                        lines.runs.iter().find(|run| (run.start..run.end).contains(&x)).map(|run| job.header().inks[run.ink as usize]);
+                    let top = (0..layers.len()).rev().find(|&i| held[i][y as usize].iter().any(|run| run.contains(&x)));
+                    let ink = top.map(|i| {
+                        let text = inks[layers[i].1 as usize];
+                        [1, 3, 5].map(|at| u8::from_str_radix(&text[at..at + 2], 16).unwrap())
+                    });
+                    assert_eq!(seen, ink, "seed {seed}, {counting:?}, pixel {x}, {y}");
+                }
+            }
+        }
     }
 }
 

@@ -141,8 +141,15 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
 
     let mut limits = Limits { input: args.limit.max_input, ..Limits::default() };
     limits.threads = args.threads.map_or(limits.threads, |n| n as usize);
-    let options =
-        Options { expr: args.expr.clone(), size: args.size.size(), lines: args.lines.clone(), tolerance: args.tolerance, limits, started };
+    let options = Options {
+        expr: args.expr.clone(),
+        size: args.size.size(),
+        lines: args.lines.clone(),
+        tolerance: args.tolerance,
+        limits,
+        started,
+        ..Options::default()
+    };
     let bytes = source.read(options.limits.input)?;
     let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();

@@ -29,6 +29,7 @@ use std::time::Instant;
 
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
+pub use crate::region::Counting;
 use crate::region::{Picture, Rows};
 use crate::run::{BLACK, Header, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
@@ -50,6 +51,8 @@ pub struct Options {
     pub lines: Option<Range<u32>>,
     /// Curve flattening, in pixels, one of [`TOLERANCES`].
     pub tolerance: f64,
+    /// How crossings are counted; the raster does not depend on it.
+    pub counting: Counting,
     /// Limits.
     pub limits: Limits,
     /// When the work began: [`Stats`] count from here.
@@ -63,6 +66,7 @@ impl Default for Options {
             size: Size::Scale(1.0),
             lines: None,
             tolerance: TOLERANCE,
+            counting: Counting::Measured,
             limits: Limits::default(),
             started: Instant::now(),
         }
@@ -82,10 +86,14 @@ pub struct Stats {
     pub lines: u32,
     /// Scanlines on which the counting ran.
     pub lines_counted: u64,
+    /// Those of them on which it ran by columns, without order.
+    pub lines_unordered: u64,
     /// Scanlines that repeat the one above without any work.
     pub lines_repeated: u64,
     /// Crossings counted.
     pub toggles: u64,
+    /// Crossings that were not, on scanlines of which another part was.
+    pub toggles_known: u64,
     /// Runs, those of repeated lines too.
     pub runs: u64,
     /// Largest number of edges that a scanline crosses.
@@ -154,7 +162,7 @@ impl Job {
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
         Ok(Job {
             edges: outlines.seen,
-            picture: Arc::new(Picture { width: page.width, outlines, program, inks: ink_of_layer }),
+            picture: Arc::new(Picture { width: page.width, outlines, program, inks: ink_of_layer, counting: options.counting }),
             header: Header { width: page.width, lines, inks, dpi },
             band: band_height(page.height),
             started: options.started,

@@ -32,6 +32,20 @@ pub struct Picture {
     pub program: Program,
     /// Ink of each layer.
     pub inks: Vec<u32>,
+    /// How crossings are counted.
+    pub counting: Counting,
+}
+
+/// How crossings are counted. The rows do not depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Counting {
+    /// In order, or by columns where order was measured to cost more than it saves.
+    #[default]
+    Measured,
+    /// Always in order.
+    Ordered,
+    /// By columns wherever the picture has few enough shapes, layers and gates.
+    Unordered,
 }
 
 /// What a walk has cost so far.
@@ -42,7 +56,7 @@ pub struct Cost {
     /// Scanlines that repeat the one above without any work.
     pub repeated: u64,
     /// Scanlines counted without order, by columns.
-    pub tangled: u64,
+    pub unordered: u64,
     /// Crossings counted.
     pub toggles: u64,
     /// Crossings on counted scanlines whose part of the line was known from the scanline above.
@@ -56,7 +70,7 @@ impl Cost {
     pub fn add(&mut self, other: &Cost) {
         self.counted += other.counted;
         self.repeated += other.repeated;
-        self.tangled += other.tangled;
+        self.unordered += other.unordered;
         self.toggles += other.toggles;
         self.known += other.known;
         self.peak_active = self.peak_active.max(other.peak_active);
@@ -136,7 +150,7 @@ impl Rows {
             self.count(renumbered);
         }
         self.emit();
-        if changed && self.tangled() {
+        if changed && self.is_tangled() {
             self.sweep.loosen();
             self.loose = true;
         }
@@ -148,11 +162,12 @@ impl Rows {
         let Loose { y, active, changed } = self.sweep.next_loose(&self.picture.outlines.edges, self.picture.width)?;
         let (positions, sides) = (self.sweep.positions(), self.sweep.tags());
         // With fewer edges even counting all of them in order is no dearer.
-        let pays = |tangle: &&mut Tangle| tangle.cost(active) <= (STEP + MOVE + self.walk.crossing()) * active;
-        if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(|tangle| changed && pays(tangle)) {
+        let pays = |tangle: &Tangle| tangle.cost(active) <= (STEP + MOVE + self.walk.crossing()) * active;
+        let go_on = |tangle: &&mut Tangle| self.picture.counting == Counting::Unordered || (changed && pays(tangle));
+        if let Some(tangle) = self.tangle.as_mut().and_then(Option::as_mut).filter(go_on) {
             tangle.runs(&self.picture, positions, sides, &mut self.runs);
             self.cost.counted += 1;
-            self.cost.tangled += 1;
+            self.cost.unordered += 1;
             self.cost.toggles += active as u64;
             self.cost.peak_active = self.cost.peak_active.max(active as u64);
         } else {
@@ -165,23 +180,22 @@ impl Rows {
         Some((y, 1))
     }
 
-    /// Whether order costs more than it saves: on this line, and on the one above.
-    fn tangled(&mut self) -> bool {
+    /// Whether to give up order: where it costs more than it saves on this line, and did on the one above.
+    fn is_tangled(&mut self) -> bool {
         let (edges, moved) = (self.sweep.list().len(), self.sweep.moved());
-        if self.patience > DOUBT {
-            self.patience -= 1;
-            return false;
-        }
-        // As long as little is out of order there is nothing to be saved.
-        if edges < FEW || moved * 8 < edges {
-            self.patience = DOUBT;
-            return false;
-        }
-        let tangle = self.tangle.get_or_insert_with(|| Tangle::new(&self.picture));
-        let Some(tangle) = tangle else { return false };
-        let ordered = STEP * edges + self.counting + MOVE * moved;
-        self.patience = if tangle.cost(edges) * 5 < ordered * 4 { self.patience.saturating_sub(1) } else { DOUBT };
-        self.patience == 0
+        let always = self.picture.counting == Counting::Unordered;
+        self.patience = match self.patience {
+            _ if always => 0,
+            wait if wait > DOUBT => wait - 1,
+            // As long as little is out of order there is nothing to be saved.
+            _ if edges < FEW || moved * 8 < edges || self.picture.counting == Counting::Ordered => DOUBT,
+            doubt => {
+                let ordered = STEP * edges + self.counting + MOVE * moved;
+                let tangle = self.tangle.get_or_insert_with(|| Tangle::new(&self.picture));
+                if tangle.as_ref().is_some_and(|tangle| tangle.cost(edges) * 5 < ordered * 4) { doubt - 1 } else { DOUBT }
+            }
+        };
+        self.patience == 0 && self.tangle.get_or_insert_with(|| Tangle::new(&self.picture)).is_some()
     }
 
     fn count(&mut self, whole: bool) {

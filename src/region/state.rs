@@ -86,7 +86,7 @@ impl State {
 
     /// Crosses the edges of the group that begins at `edge`, and puts down by slot what the windings of their shapes are behind them. Gives
     /// the index behind the group, and the ink there.
-    #[inline]
+    #[inline(always)]
     pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize, behind: &mut [i32]) -> (usize, u32) {
         let tied = |edge: usize| list.get(edge).is_some_and(|entry| entry.is_tied());
         let slot = list[edge].slot();

@@ -215,7 +215,7 @@ impl<'a> Line<'a> {
     }
 
     /// Counts the group that begins at an index, and gives the index behind it.
-    #[inline]
+    #[inline(always)]
     fn group(&mut self, edge: usize) -> usize {
         let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, &mut self.windings.behind);
         if ink != self.ink {
