@@ -13,7 +13,7 @@
 //!      4\_  | 3
 //! ```
 
-use crate::grid::{self, Point};
+use crate::grid::{self, Point, SUB};
 use crate::line::Line;
 use crate::line::exact::{self, Piece};
 use crate::sweep::Edge;
@@ -132,19 +132,21 @@ impl Outline {
     fn edge(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) {
         let downwards = from.row < to.row;
         let (top, bottom) = if downwards { (from, to) } else { (to, from) };
-        let [x0, x1] = [top, bottom].map(|vertex| grid::snap(vertex.point[0]));
-        if x0.min(x1) > f64::from(self.width) - 0.5 {
+        // Left of all pixel centres, right of all, or perhaps one straight line.
+        let (left, right, line) = if grid::is_near(top.point) && grid::is_near(bottom.point) {
+            let [p, q] = [top, bottom].map(|vertex| vertex.point.map(grid::steps));
+            let (least, most) = (p[0].min(q[0]), p[0].max(q[0]));
+            let line = Line::through(p, q, top.row, bottom.row - top.row, self.width);
+            (most <= SUB / 2, least > i64::from(self.width) * SUB - SUB / 2, line)
+        } else {
+            let [x, y] = [top, bottom].map(|vertex| grid::snap(vertex.point[0]));
+            (x.max(y) <= 0.5, x.min(y) > f64::from(self.width) - 0.5, None)
+        };
+        if right {
             self.open = true;
             return;
         }
-        let line = if x0.max(x1) <= 0.5 {
-            Some(Line::vertical(0))
-        } else if grid::is_near(top.point) && grid::is_near(bottom.point) {
-            let steps = |p: Point| p.map(grid::steps);
-            Line::through(steps(top.point), steps(bottom.point), top.row, bottom.row - top.row, self.width)
-        } else {
-            None
-        };
+        let line = if left { Some(Line::vertical(0)) } else { line };
         if !self.chain.goes_on(downwards, top.row, bottom.row) {
             // The first that ends is where the ring began.
             if !self.has_opened && !self.chain.stretches.is_empty() {

@@ -13,8 +13,8 @@
 //!
 //! The numerator is an integer, so `ceil(x) = floor((a + b row - 1/2) / d) + 1`, and the number whose floor is taken is never nearer than `1 / 2d`
 //! to an integer. An approximation that is off by less has the same floor. In units of 2^-43 px the start and the step are rounded to the
-//! nearest, which is off by 2^-44 px each, so on the n-th scanline by `n 2^-44` in all: less than `1 / 2d` as long as `n d < 2^43`.
-//! A [`Line`] is made for `n d <= 2^42` only. Lines that are too tall for that, leave the page at its sides, or have far ends, become several such
+//! nearest, which is off by 2^-44 px each (and 2^-51, because it is done in doubles), so on the n-th scanline by little more than `n 2^-44` in all: less than
+//! `1 / 2d` as long as `n d < 0.99 2^43`. A [`Line`] is made for `n d <= 2^42` only. Lines that are too tall for that, leave the page at its sides, or have far ends, become several such
 //! lines in [`exact`], where the edges are built; so nothing has to be set right on the way down.
 //!
 //! A straight line stays one under every affine and projective map, so this type serves outlines, silhouettes and homogeneous
@@ -55,9 +55,23 @@ impl Line {
     /// The same, whatever the number of scanlines.
     #[inline]
     fn rounded(a: i64, b: i64, d: i64) -> Line {
-        let fixed = |whole: i64, rest: f64| ((whole as u64) << FRACTION).wrapping_add(nearest(rest / d as f64 * ONE) as u64);
-        let (left, step) = (a.div_euclid(d), b.div_euclid(d));
-        Line { at: fixed(left + 1, (a - left * d) as f64 - 0.5), step: fixed(step, (b - step * d) as f64) }
+        let inverse = 1.0 / d as f64;
+        // Whole pixels, and what is left in units of 1/d.
+        let split = |x: i64| {
+            let mut whole = (x as f64 * inverse) as i64;
+            let mut rest = x - whole * d;
+            // The quotient is off by one at most, and was rounded to 0.
+            if rest < 0 {
+                (whole, rest) = (whole - 1, rest + d);
+            } else if rest >= d {
+                (whole, rest) = (whole + 1, rest - d);
+            }
+            debug_assert!((0..d).contains(&rest));
+            (whole, rest as f64)
+        };
+        let fixed = |whole: i64, rest: f64| ((whole as u64) << FRACTION).wrapping_add(nearest(rest * inverse * ONE) as u64);
+        let ((left, rest), (step, slope)) = (split(a), split(b));
+        Line { at: fixed(left + 1, rest - 0.5), step: fixed(step, slope) }
     }
 
     /// The vertical line with this column, at most 2^20.
