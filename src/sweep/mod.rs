@@ -102,7 +102,7 @@ impl<T: Copy> Edges<T> {
     /// Sorts the chains. To be called once, behind the last [`Edges::add`].
     #[must_use]
     pub fn finish(mut self) -> Edges<T> {
-        self.chains = sorted(self.chains);
+        sort(&mut self.chains);
         self.reach = self.chains.chunks(BLOCK).map(|block| block.iter().map(|chain| chain.last).max().unwrap_or(0)).collect();
         self.edges.shrink_to_fit();
         self.chains.shrink_to_fit();
@@ -162,28 +162,31 @@ impl<T: Copy> Edges<T> {
     }
 }
 
-/// Sorts chains by first scanline, then column: spread over buckets of some scanlines each, as in section 2.1.2, and in each compared.
-fn sorted<T: Copy>(chains: Vec<Chain<T>>) -> Vec<Chain<T>> {
+/// Sorts chains by first scanline, then column: spread in place over buckets of some scanlines each, as in section 2.1.2, and in each compared.
+fn sort<T: Copy>(chains: &mut [Chain<T>]) {
     let rows = chains.iter().fold(0, |rows, chain| rows.max(chain.first)) as usize + 1;
     // About eight chains a bucket, if they are evenly spread, and a power of two of scanlines.
     let shift = rows.checked_div(chains.len() / 8).map_or(usize::BITS, |some| some.max(1).ilog2());
     let bucket = |chain: &Chain<T>| (chain.first as usize).checked_shr(shift).unwrap_or(0);
-    let mut starts = vec![0; rows.checked_shr(shift).unwrap_or(0) + 2];
-    chains.iter().for_each(|chain| starts[bucket(chain) + 1] += 1);
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
+    let mut ends = vec![0; rows.checked_shr(shift).unwrap_or(0) + 1];
+    chains.iter().for_each(|chain| ends[bucket(chain)] += 1);
+    for i in 1..ends.len() {
+        ends[i] += ends[i - 1];
     }
-    let mut places = starts.clone();
-    let mut sorted = chains.clone();
-    for chain in chains {
-        let place = &mut places[bucket(&chain)];
-        sorted[*place] = chain;
-        *place += 1;
+    // Up to here a bucket holds what belongs to it.
+    let mut filled: Vec<usize> = [0].iter().chain(&ends).copied().take(ends.len()).collect();
+    for here in 0..ends.len() {
+        while filled[here] < ends[here] {
+            let there = bucket(&chains[filled[here]]);
+            chains.swap(filled[here], filled[there]);
+            filled[there] += 1;
+        }
     }
-    for pair in starts.windows(2) {
-        sorted[pair[0]..pair[1]].sort_unstable_by_key(Chain::key);
+    let mut start = 0;
+    for end in ends {
+        chains[start..end].sort_unstable_by_key(Chain::key);
+        start = end;
     }
-    sorted
 }
 
 #[cfg(test)]
