@@ -162,7 +162,7 @@ impl Job {
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
         Ok(Job {
             edges: outlines.seen,
-            picture: Arc::new(Picture { width: page.width, outlines, program, inks: ink_of_layer, counting: options.counting }),
+            picture: Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting)),
             header: Header { width: page.width, lines, inks, dpi },
             band: band_height(page.height),
             started: options.started,

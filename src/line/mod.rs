@@ -181,7 +181,7 @@ mod tests {
             let size = [40, 3000, 60_000, 6_000_000][random(4) as usize];
             let top = [random(size), random(size) - size / 2];
             let bottom = [random(size), top[1] + 1 + random(size)];
-            let rows = crate::grid::first_centre(top[1]).max(0)..crate::grid::first_centre(bottom[1]);
+            let rows = first_centre(top[1]).max(0)..first_centre(bottom[1]);
             if rows.is_empty() {
                 continue;
             }

@@ -14,6 +14,7 @@ mod walk;
 use std::ops::Range;
 use std::sync::Arc;
 
+use self::state::State;
 use self::tangle::Tangle;
 use self::walk::{LEFT_SIDE, Walk};
 use crate::count::Program;
@@ -24,16 +25,22 @@ use crate::sweep::{Loose, Scanline, Sweep};
 /// A picture ready to be swept.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// Width in pixels.
-    pub width: u32,
-    /// The edges.
-    pub outlines: Outlines,
-    /// The expressions of the layers: output i is layer i, the last on top.
-    pub program: Program,
-    /// Ink of each layer.
-    pub inks: Vec<u32>,
-    /// How crossings are counted.
-    pub counting: Counting,
+    width: u32,
+    outlines: Outlines,
+    program: Program,
+    inks: Vec<u32>,
+    counting: Counting,
+    /// What holds at the left side of every scanline.
+    start: State,
+}
+
+impl Picture {
+    /// A picture `width` pixels wide. Output i of `program` is the expression of layer i, the last on top, and `inks[i]` its ink; the leaves of the
+    /// program are those of `outlines`.
+    pub fn new(width: u32, outlines: Outlines, program: Program, inks: Vec<u32>, counting: Counting) -> Picture {
+        let start = State::new(&program, &inks);
+        Picture { width, outlines, program, inks, counting, start }
+    }
 }
 
 /// How crossings are counted. The rows do not depend on it.

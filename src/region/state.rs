@@ -43,8 +43,7 @@ pub(super) struct Counted {
 
 impl State {
     /// The state at the left side of a scanline.
-    pub(super) fn new(picture: &Picture) -> State {
-        let Picture { program, inks, .. } = picture;
+    pub(super) fn new(program: &Program, inks: &[u32]) -> State {
         let counters = Counters::new(program);
         let mut layers = BitSet::new(inks.len());
         (0..inks.len()).filter(|&i| counters.output(program, i)).for_each(|i| layers.insert(i));

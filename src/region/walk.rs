@@ -55,7 +55,7 @@ impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
         let difference = Difference(vec![0; picture.program.leaves()]);
         let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.leaves()], stretch: 0 };
-        Walk { state: State::new(picture), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
+        Walk { state: picture.start.clone(), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
     }
 
     /// Where the visible ink changes on the line that was counted last.

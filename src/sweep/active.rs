@@ -11,9 +11,6 @@
 //!
 //! Only crossings and chains that enter or leave touch the list.
 //!
-//! Where most edges cross many others on every scanline, order is dear and says nothing. Then a sweep can be *loose*: it keeps the slots alone, and those who
-//! count have to look at columns ([`Sweep::loosen`]).
-//!
 //! Cost of a scanline: an addition, a look-up and two comparisons for every active edge; a scanline on which all of them are vertical costs
 //! nothing until one enters or leaves.
 
@@ -31,17 +28,6 @@ pub struct Scanline {
     /// It and the `n - 1` below have the same edges in the same columns.
     pub n: u32,
     /// Whether edges entered or left since the scanline before, or their order, or which of them share a column. True on the first.
-    pub changed: bool,
-}
-
-/// What a loose sweep has come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Loose {
-    /// The scanline.
-    pub y: u32,
-    /// How many edges are active.
-    pub active: usize,
-    /// Whether edges entered or left since the scanline before, or some of them certainly crossed.
     pub changed: bool,
 }
 
@@ -87,20 +73,20 @@ impl Entry {
 #[derive(Clone, Debug)]
 pub struct Sweep<T> {
     /// The scanlines still to come.
-    rows: Range<u32>,
+    pub(super) rows: Range<u32>,
     /// The first chain that has not entered.
-    entry: usize,
+    pub(super) entry: usize,
 
-    slots: Slots<T>,
-    list: Vec<Entry>,
-    columns: Vec<u32>,
+    pub(super) slots: Slots<T>,
+    pub(super) list: Vec<Entry>,
+    pub(super) columns: Vec<u32>,
     /// By how many places edges were moved on this scanline.
     moved: usize,
     /// Whether entries of this scanline are marked as entered.
-    entered: bool,
+    pub(super) entered: bool,
     started: bool,
     /// Whether slots were given new numbers on this scanline.
-    renumbered: bool,
+    pub(super) renumbered: bool,
 }
 
 /// A list may have so many slots without an edge before it is made anew, beside three for each with one.
@@ -110,7 +96,7 @@ const SPARE: usize = 64;
 const BLOCK: usize = 32;
 
 /// To find an edge's place in the list by halving takes about as long as to pass so many.
-const HALVING: usize = 32;
+const HALVING: usize = 16;
 
 impl<T: Copy> Sweep<T> {
     /// A sweep over `rows`.
@@ -195,7 +181,7 @@ impl<T: Copy> Sweep<T> {
     }
 
     /// Makes the list anew from the slots, none of which is free.
-    fn order(&mut self) {
+    pub(super) fn order(&mut self) {
         self.list = (0..self.slots.len() as u32).map(Entry).collect();
         self.columns = self.slots.at.iter().map(|&at| line::column(at)).collect();
         self.sort();
@@ -327,25 +313,29 @@ impl<T: Copy> Sweep<T> {
         let mut old = self.list.len();
         self.list.resize(old + entering.len(), Entry(0));
         self.columns.resize(old + entering.len(), 0);
+        // Many that enter are merged by passing all, few by halving.
+        let many = entering.len() * HALVING > self.list.len();
         for (i, chain) in entering.iter().enumerate().rev() {
             let slot = self.slots.occupy(edges, chain, y);
             let column = chain.edge.line.column();
-            // Many that enter are found by passing all, few by halving.
-            let place = if entering.len() * HALVING > self.list.len() {
-                self.columns[..old].iter().rposition(|&other| other <= column).map_or(0, |place| place + 1)
+            if many {
+                while old > 0 && self.columns[old - 1] > column {
+                    old -= 1;
+                    (self.columns[old + i + 1], self.list[old + i + 1]) = (self.columns[old], self.list[old]);
+                }
             } else {
-                self.columns[..old].partition_point(|&other| other <= column)
-            };
-            self.list.copy_within(place..old, place + i + 1);
-            self.columns.copy_within(place..old, place + i + 1);
-            old = place;
-            (self.list[place + i], self.columns[place + i]) = (Entry(slot | ENTERED), column);
+                let place = self.columns[..old].partition_point(|&other| other <= column);
+                self.list.copy_within(place..old, place + i + 1);
+                self.columns.copy_within(place..old, place + i + 1);
+                old = place;
+            }
+            (self.columns[old + i], self.list[old + i]) = (column, Entry(slot | ENTERED));
         }
         true
     }
 
     /// Renews the ties; true if one formed or parted, of edges that were in the list before.
-    fn tie(&mut self) -> bool {
+    pub(super) fn tie(&mut self) -> bool {
         let mut changed = 0;
         let mut tie = |entry: &mut Entry, tied: u32| {
             changed |= entry.0 ^ tied;
@@ -361,7 +351,7 @@ impl<T: Copy> Sweep<T> {
     }
 
     /// Numbers the slots in the order of the list, without the free ones.
-    fn renumber(&mut self) {
+    pub(super) fn renumber(&mut self) {
         self.renumbered = true;
         self.slots.renumber(&self.list.iter().map(|entry| entry.slot()).collect::<Vec<_>>());
         self.list.iter_mut().zip(0..).for_each(|(entry, slot)| entry.0 = entry.0 & MARKS | slot);
@@ -370,62 +360,5 @@ impl<T: Copy> Sweep<T> {
     /// By how many places edges were moved in the list on this scanline to restore its order.
     pub fn moved(&self) -> usize {
         self.moved
-    }
-
-    /// Gives up the order from the next scanline on.
-    pub fn loosen(&mut self) {
-        self.renumber();
-        self.list.clear();
-        self.columns.clear();
-        self.entered = false;
-    }
-
-    /// Goes to the next scanline without order; `width` is that of the page. `None` behind the last.
-    pub fn next_loose(&mut self, edges: &Edges<T>, width: u32) -> Option<Loose> {
-        let y = self.rows.start;
-        if y >= self.rows.end {
-            return None;
-        }
-        self.rows.start += 1;
-        if self.slots.free.len() * 4 > self.slots.len() {
-            self.compact();
-        }
-        self.slots.step(y);
-        self.slots.replace(edges, y);
-        self.slots.lay_aside(width);
-        let entering = edges.entering(self.entry, y);
-        self.entry += entering.len();
-        entering.iter().for_each(|chain| _ = self.slots.occupy(edges, chain, y));
-        let changed = !self.slots.ended.is_empty() || !entering.is_empty() || self.has_crossed(y);
-        Some(Loose { y, active: self.slots.len() - self.slots.free.len() - self.slots.ended.len(), changed })
-    }
-
-    /// Whether two edges certainly stand in another order than on the scanline above. Neighbours by slot are looked at: in a tangle some of them have crossed.
-    fn has_crossed(&self, y: u32) -> bool {
-        let slots = &self.slots;
-        let order = |slot: usize| {
-            let above = slots.column_above(slot, y)?.cmp(&slots.column_above(slot + 1, y)?);
-            Some(above != slots.column(slot).cmp(&slots.column(slot + 1)))
-        };
-        (1..slots.len()).any(|slot| order(slot - 1) == Some(true))
-    }
-
-    /// Positions of the edges of a loose sweep, by slot; [`line::column`] reads them. Those that are not active any more are in the column behind the page.
-    pub fn positions(&self) -> &[u64] {
-        &self.slots.at
-    }
-
-    /// Numbers the slots of a loose sweep without those that are free.
-    fn compact(&mut self) {
-        let active: Vec<usize> = (0..self.slots.len()).filter(|&slot| !self.slots.has_ended(slot)).collect();
-        self.slots.renumber(&active);
-    }
-
-    /// Puts a loose sweep in order again, on the scanline where it stands.
-    pub fn tighten(&mut self) {
-        self.compact();
-        self.order();
-        self.tie();
-        self.renumbered = true;
     }
 }

@@ -19,9 +19,11 @@
 //! It starts at any scanline.
 
 mod active;
+mod loose;
 mod slots;
 
-pub use active::{Entry, Loose, Scanline, Sweep};
+pub use active::{Entry, Scanline, Sweep};
+pub use loose::Loose;
 
 use crate::line::Line;
 
@@ -308,6 +310,63 @@ mod tests {
             }
         }
         assert!(kept > 3000 && changes > 3000, "{kept} {changes}");
+    }
+
+    #[test]
+    fn a_loose_sweep_has_the_same_columns_and_can_be_put_in_order_again() {
+        let mut random = Random(3);
+        let (mut loose_rows, mut unchanged) = (0, 0);
+        for _ in 0..400 {
+            let drawing = drawing(&mut random);
+            let edges = table(&drawing);
+            let mut sweep = Sweep::new(0..HEIGHT as u32);
+            let mut loose = false;
+            let mut before: Option<Vec<(u32, usize)>> = None;
+            loop {
+                let y = if loose {
+                    let Some(Loose { y, active, changed }) = sweep.next_loose(&edges, WIDTH) else { break };
+                    let mut columns: Vec<u32> =
+                        sweep.positions().iter().map(|&at| crate::line::column(at)).filter(|&c| c < WIDTH).collect();
+                    columns.sort_unstable();
+                    let expected = brute(&drawing, y);
+                    assert_eq!(expected.len(), active);
+                    assert!(columns.iter().copied().eq(expected.iter().map(|a| a.0).filter(|&c| c < WIDTH)));
+                    // What is told as changed is: others are active, or two of them stand the other way round.
+                    let order = |active: &[(u32, usize)], a: usize, b: usize| {
+                        let column = |tag| active.iter().find(|other| other.1 == tag).map(|other| other.0);
+                        Some(column(a)?.cmp(&column(b)?))
+                    };
+                    let tags: Vec<usize> = expected.iter().map(|a| a.1).collect();
+                    let crossed = |before: &[(u32, usize)]| {
+                        tags.iter().any(|&a| tags.iter().any(|&b| order(before, a, b) != order(&expected, a, b)))
+                            || before.len() != tags.len()
+                    };
+                    assert!(!changed || before.as_deref().is_none_or(crossed), "line {y}");
+                    loose_rows += 1;
+                    unchanged += u32::from(!changed);
+                    if random.below(4) == 0 {
+                        sweep.tighten();
+                        loose = false;
+                    }
+                    y
+                } else {
+                    let Some(Scanline { y, n, .. }) = sweep.next(&edges) else { break };
+                    loose = n == 1 && random.below(3) == 0;
+                    if loose {
+                        sweep.loosen();
+                    }
+                    y + n - 1
+                };
+                if !loose {
+                    let mut active: Vec<(u32, usize)> = sweep.columns().iter().copied().zip(tags(&sweep)).collect();
+                    assert!(active.is_sorted_by_key(|a| a.0));
+                    active.sort_unstable();
+                    assert_eq!(active, brute(&drawing, y), "line {y}");
+                }
+                before = Some(brute(&drawing, y));
+            }
+        }
+        assert!(loose_rows > 3000 && unchanged > 100, "{loose_rows} {unchanged}");
     }
 
     #[test]

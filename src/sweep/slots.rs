@@ -81,7 +81,7 @@ impl<T: Copy> Slots<T> {
         (self.actives[slot].renewed < y && !self.has_ended(slot)).then(|| line::column(self.at[slot].wrapping_sub(self.steps[slot])))
     }
 
-    /// Goes down to scanline `y`, the next of which more is known than that it repeats. True if columns may differ.
+    /// Goes down to scanline `y`: by one, or by as many as repeat. True if columns may differ.
     pub(super) fn step(&mut self, y: u32) -> bool {
         self.free.extend(self.ended.drain(..).map(|(slot, _)| slot));
         self.turn(y);
