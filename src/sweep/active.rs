@@ -248,9 +248,13 @@ impl<T: Copy> Sweep<T> {
 
     /// Looks up the columns of this scanline.
     fn place(&mut self) {
-        for (column, entry) in self.columns.iter_mut().zip(&self.list) {
-            *column = self.slots.column(entry.slot());
+        let at = &self.slots.at[..];
+        let (columns, last_columns) = self.columns.as_chunks_mut::<8>();
+        let (list, last) = self.list.as_chunks::<8>();
+        for (columns, list) in columns.iter_mut().zip(list) {
+            *columns = list.map(|entry| line::column(at[entry.slot()]));
         }
+        last_columns.iter_mut().zip(last).for_each(|(column, entry)| *column = line::column(at[entry.slot()]));
     }
 
     /// Puts the list in order of columns: by insertion where little is out of place, as coherence lets expect (section 2.2.3), else by
