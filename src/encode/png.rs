@@ -24,7 +24,7 @@ use std::ops::Range;
 use super::changes::{changes, stretches};
 use super::deflate::{self, Block};
 use super::{Encode, Format, Part, Strip, rows};
-use crate::run::{BLACK, Header, Lines, Rgb, Run};
+use crate::run::{BLACK, Header, Lines, Rgb, Run, WHITE};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -40,9 +40,6 @@ pub const FORMAT: Format = Format {
 fn segment_rows(row_bytes: usize) -> u32 {
     rows::lines_of(1 << 18, row_bytes).max(rows::lines_of(1 << 20, row_bytes).min(16))
 }
-
-/// What paper is.
-const WHITE: Rgb = [255; 3];
 
 /// What the pixels of a row are.
 #[derive(Clone, Copy, PartialEq)]
@@ -88,11 +85,10 @@ impl Png {
         };
         let row_bytes = (header.width as usize * depth).div_ceil(8);
         let paper = vec![if let Colour::Palette { .. } = colour { 0 } else { 255 }; row_bytes];
-        let inks = || [WHITE].iter().chain(&header.inks).copied().collect::<Vec<_>>();
         Png {
             header: header.clone(),
             colour,
-            blocks: if colour == Colour::Rgb { rows::blocks(&inks()) } else { Vec::new() },
+            blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
             segment_rows: segment_rows(row_bytes),
             open: false,
             row: paper.clone(),
