@@ -21,7 +21,7 @@
 
 use std::ops::Range;
 
-use super::changes::{changes, stretches};
+use super::changes::Shown;
 use super::deflate::{self, Block};
 use super::{Encode, Format, Part, Strip, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run, WHITE};
@@ -59,12 +59,10 @@ struct Png {
     open: bool,
     /// The line at hand, painted.
     row: Vec<u8>,
-    /// What it shows.
-    shown: Vec<Run>,
+    shown: Shown,
     /// The row above. When no line is at hand both are the same.
     above: Vec<u8>,
-    /// Where the line differs from the one above: pixels, and bytes.
-    changes: Vec<Run>,
+    /// The bytes where they may differ.
     stretches: Vec<Range<usize>>,
     /// What a filter made of some bytes.
     filtered: Vec<u8>,
@@ -83,7 +81,8 @@ impl Png {
             16..=255 => (Colour::Palette { depth: 8 }, 8),
             _ => (Colour::Rgb, 24),
         };
-        let row_bytes = (header.width as usize * depth).div_ceil(8);
+        let shown = Shown::new(header.width, depth);
+        let row_bytes = shown.row_bytes();
         let paper = vec![if let Colour::Palette { .. } = colour { 0 } else { 255 }; row_bytes];
         Png {
             header: header.clone(),
@@ -92,9 +91,8 @@ impl Png {
             segment_rows: segment_rows(row_bytes),
             open: false,
             row: paper.clone(),
-            shown: Vec::new(),
+            shown,
             above: paper,
-            changes: Vec::new(),
             stretches: Vec::new(),
             filtered: Vec::new(),
             idat: Idat::new(),
@@ -104,24 +102,14 @@ impl Png {
 
     /// Paints a line over the one above it.
     fn paint(&mut self, runs: &[Run]) {
-        changes(&self.shown, runs, &mut self.changes);
-        let depth = match self.colour {
-            Colour::Grey => {
-                rows::packed(&mut self.row, 1, &self.changes, |ink| u8::from(ink == 0));
-                1
-            }
-            Colour::Palette { depth } => {
-                rows::packed(&mut self.row, depth, &self.changes, |ink| ink as u8);
-                depth as usize
-            }
-            Colour::Rgb => {
-                rows::rgb(&mut self.row, &self.changes, &self.blocks);
-                24
-            }
-        };
-        stretches(&self.changes, depth, &mut self.stretches);
-        self.shown.clear();
-        self.shown.extend_from_slice(runs);
+        self.shown.show(runs);
+        let changes = self.shown.changes();
+        match self.colour {
+            Colour::Grey => rows::packed(&mut self.row, 1, changes, |ink| u8::from(ink == 0)),
+            Colour::Palette { depth } => rows::packed(&mut self.row, depth, changes, |ink| ink as u8),
+            Colour::Rgb => rows::rgb(&mut self.row, changes, &self.blocks),
+        }
+        self.shown.stretches(&mut self.stretches);
     }
 
     /// Puts `n` rows equal to `self.row` into the open segment, which has room for them, and ends it if they are its last.
@@ -190,7 +178,7 @@ impl Encode for Png {
             let last = y.is_multiple_of(self.segment_rows);
             if n < self.segment_rows {
                 self.rows(n, last, out);
-            } else if let Some((_, chunks, adler)) = self.repeated.as_ref().filter(|repeated| repeated.0 == self.shown) {
+            } else if let Some((_, chunks, adler)) = self.repeated.as_ref().filter(|repeated| repeated.0 == self.shown.runs()) {
                 out.extend_from_slice(chunks);
                 self.idat.adler.append(*adler);
             } else {
@@ -198,7 +186,7 @@ impl Encode for Png {
                 self.rows(n, last, out);
                 let segment = std::mem::replace(&mut self.idat.adler, adler);
                 self.idat.adler.append(segment);
-                self.repeated = Some((self.shown.clone(), out[start..].to_vec(), segment));
+                self.repeated = Some((self.shown.runs().to_vec(), out[start..].to_vec(), segment));
             }
         }
         for stretch in &self.stretches {

@@ -2,7 +2,7 @@
 //!
 //! A row is kept, which is paper at first, and line after line what changes is painted over it, a byte at a time. What goes out are copies of it.
 
-use super::changes::changes;
+use super::changes::Shown;
 use super::{Encode, Part, Strip};
 use crate::run::{Lines, Rgb, Run, WHITE};
 
@@ -63,17 +63,17 @@ pub fn rgb(row: &mut [u8], runs: &[Run], blocks: &[Block]) {
 /// cost more on the way than they save in it.
 const STRIP_BYTES: usize = 1 << 19;
 
-/// A writer of `head` and then rows of `row_bytes` bytes, which are `paper` before `paint` writes changes over them, as [`changes`] gives them.
-pub fn plain(head: String, row_bytes: usize, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
-    Box::new(Plain { head, row: vec![paper; row_bytes], shown: Vec::new(), changes: Vec::new(), paint })
+/// A writer of `head` and then rows of `width` pixels of `depth` bits, which are bytes `paper` before `paint` writes changes over them, as [`Shown`] gives
+/// them.
+pub fn plain(head: String, (width, depth): (u32, u32), paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+    let shown = Shown::new(width, depth);
+    Box::new(Plain { head, row: vec![paper; shown.row_bytes()], shown, paint })
 }
 
 struct Plain<P> {
     head: String,
     row: Vec<u8>,
-    /// What the row shows.
-    shown: Vec<Run>,
-    changes: Vec<Run>,
+    shown: Shown,
     paint: P,
 }
 
@@ -87,10 +87,8 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     }
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
-        changes(&self.shown, lines.runs, &mut self.changes);
-        (self.paint)(&self.changes, &mut self.row);
-        self.shown.clear();
-        self.shown.extend_from_slice(lines.runs);
+        self.shown.show(lines.runs);
+        (self.paint)(self.shown.changes(), &mut self.row);
         (0..lines.n).for_each(|_| out.extend_from_slice(&self.row));
     }
 
