@@ -42,6 +42,9 @@ pub struct Header {
 /// The ink of a region that was given no colour.
 pub const BLACK: Rgb = [0, 0, 0];
 
+/// What paper is, where it has a colour.
+pub const WHITE: Rgb = [255; 3];
+
 impl Header {
     /// Number of lines.
     pub fn height(&self) -> u32 {

@@ -81,6 +81,7 @@ impl Output {
             let what = format!("{} is a binary format and {} is a terminal; name a file with -o", format.name, output.name);
             return Err(Failure::Usage(what));
         }
+        widen(&output.file);
         Ok(output)
     }
 
@@ -162,6 +163,20 @@ impl Write for Output {
         self.file.flush()
     }
 }
+
+/// Lets a pipe hold half a MiB, about what encoders hand over at once, so that writer and reader change places seldom. A pipe that holds more, or that
+/// the system does not let grow, stays as it is.
+#[cfg(target_os = "linux")]
+fn widen(file: &File) {
+    use rustix::pipe::{fcntl_getpipe_size, fcntl_setpipe_size};
+    const BYTES: usize = 1 << 19;
+    if fcntl_getpipe_size(file).is_ok_and(|bytes| bytes < BYTES) {
+        let _ = fcntl_setpipe_size(file, BYTES);
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn widen(_: &File) {}
 
 /// Follows the links of a path's last part, also to a file that does not exist yet; stops at what names an open file of this process.
 fn resolve(path: &Path) -> Result<PathBuf, Failure> {

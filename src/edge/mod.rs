@@ -2,11 +2,11 @@
 
 mod outline;
 
-use self::outline::{Outline, PART};
+use self::outline::Outline;
 use crate::count::Node;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{self, Point};
-use crate::shape::flatten::Flattening;
+use crate::shape::flatten::{Flattening, Part};
 use crate::shape::{Shape, Transform, Verb};
 use crate::sweep::{Edge, Edges};
 
@@ -80,7 +80,7 @@ impl Builder {
         let window = [0.0, 0.0, f64::from(self.width), f64::from(self.height)];
         let how = Flattening { tolerance: self.tolerance, window };
         let before = self.edges.len();
-        shape.rings(&transform, &how, |ring| self.add_ring(ring, leaf, &shape.name))?;
+        shape.rings(&transform, &how, |part| self.add_part(part, leaf, &shape.name))?;
         self.leaves += usize::from(self.edges.len() > before);
         Ok(())
     }
@@ -132,21 +132,21 @@ impl Builder {
         Outlines { edges: self.edges.finish(), leaves: self.leaves, open: self.outline.open, seen: self.seen }
     }
 
-    fn add_ring(&mut self, ring: &[Point], leaf: Node, name: &str) -> Result<()> {
+    fn add_part(&mut self, part: Part<'_>, leaf: Node, name: &str) -> Result<()> {
         let edges = &mut self.edges;
         let mut add = |first, chain: &mut dyn Iterator<Item = Edge>, winding| edges.add(first, chain, Side { leaf, winding });
-        for part in ring.chunks(PART) {
-            if !part.as_flattened().iter().fold(true, |finite, v| finite & v.is_finite()) {
-                let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
-                return Err(Error::input(Kind::Refused, what));
-            }
-            self.seen += self.outline.points(part, &mut add);
-            if self.seen > self.limit {
-                let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
-                return Err(Error::input(Kind::Limit, what));
-            }
+        if !part.points.as_flattened().iter().fold(true, |finite, v| finite & v.is_finite()) {
+            let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
+            return Err(Error::input(Kind::Refused, what));
         }
-        self.seen += self.outline.end(&mut add);
+        self.seen += self.outline.points(part.points, &mut add);
+        if self.seen > self.limit {
+            let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
+            return Err(Error::input(Kind::Limit, what));
+        }
+        if part.last {
+            self.seen += self.outline.end(&mut add);
+        }
         Ok(())
     }
 }

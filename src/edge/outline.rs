@@ -16,10 +16,8 @@
 use crate::grid::{self, Point, SUB};
 use crate::line::Line;
 use crate::line::exact::{self, Piece};
+use crate::shape::flatten::PART;
 use crate::sweep::Edge;
-
-/// Most points of a part.
-pub(super) const PART: usize = 256;
 
 /// A point of a ring, and the first scanline that is not above it, on the page or behind its end.
 #[derive(Clone, Copy, Debug)]

@@ -59,12 +59,14 @@ pub struct Block {
     symbols: Vec<u32>,
     /// How often each literal and class of lengths comes.
     counts: [u32; SYMBOLS],
+    /// The byte at the end, and how often it stands there: not among the symbols yet, as more may follow.
+    last: (u8, usize),
 }
 
 impl Block {
     /// Nothing yet.
     pub fn new() -> Block {
-        Block { symbols: Vec::new(), counts: [0; SYMBOLS] }
+        Block { symbols: Vec::new(), counts: [0; SYMBOLS], last: (0, 0) }
     }
 
     /// Takes the next bytes.
@@ -77,8 +79,19 @@ impl Block {
         }
     }
 
-    /// Takes `n` times the same byte.
+    /// Takes `n` times the same byte. How bytes were divided among calls makes no difference.
     pub fn push_equal(&mut self, byte: u8, n: usize) {
+        if self.last.0 != byte {
+            self.end_run();
+            self.last.0 = byte;
+        }
+        self.last.1 += n;
+    }
+
+    /// Makes symbols of the equal bytes at the end.
+    fn end_run(&mut self) {
+        let (byte, n) = self.last;
+        self.last.1 = 0;
         let literals = if n <= SHORTEST { n } else { 1 };
         for _ in 0..literals {
             self.symbols.push(u32::from(byte) | 1 << 16);
@@ -108,6 +121,7 @@ impl Block {
 
     /// Writes the block, not as the last of its stream, up to the end of a byte, and begins a new one.
     pub fn end(&mut self, out: &mut Vec<u8>) {
+        self.end_run();
         self.counts[END] = 1;
         let code = Code::new(&self.counts, 15);
         let mut bits = Bits { out, held: 0, n: 0 };

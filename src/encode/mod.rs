@@ -50,6 +50,7 @@ pub trait Encode: Send {
     fn join(&mut self, part: &Part, out: &mut Vec<u8>);
 }
 
+mod changes;
 mod deflate;
 mod part;
 mod records;

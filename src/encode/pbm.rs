@@ -17,5 +17,5 @@ pub const FORMAT: Format = Format {
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P4\n{} {}\n", header.width, header.height());
-    rows::plain(head, header.width.div_ceil(8) as usize, 0, |runs, row| rows::packed(row, 1, runs, |_| 1))
+    rows::plain(head, (header.width, 1), 0, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
 }

@@ -3,7 +3,7 @@
 //! Source: pgm(5) of netpbm; Recommendation ITU-R BT.709 for the weights.
 
 use super::{Encode, Format, rows};
-use crate::run::{Header, Rgb};
+use crate::run::{Header, Rgb, WHITE};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -17,8 +17,8 @@ pub const FORMAT: Format = Format {
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P5\n{} {}\n255\n", header.width, header.height());
-    let lumas: Vec<u8> = header.inks.iter().map(luma).collect();
-    rows::plain(head, header.width as usize, 255, move |runs, row| rows::packed(row, 8, runs, |ink| lumas[ink as usize]))
+    let lumas: Vec<u8> = [WHITE].iter().chain(&header.inks).map(luma).collect();
+    rows::plain(head, (header.width, 8), 255, move |runs, row| rows::packed(row, 8, runs, |ink| lumas[ink as usize]))
 }
 
 /// Luma of Rec. 709, taken on the 8-bit values and rounded.

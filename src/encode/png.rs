@@ -12,8 +12,8 @@
 //! ([`super::deflate`]) and one chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, threads
 //! write different ones, a segment of equal rows is compressed once, and the checksum is combined from those of the segments.
 //!
-//! Cost: painting, one difference and two looks at the bytes for each distinct row; a symbol for each 258 bytes of a repeat; a copy of
-//! the compressed bytes for a segment that repeats.
+//! Cost: of most rows what changes is painted, filtered and compressed ([`super::changes`]), whatever their width; of the first of a segment all. A
+//! symbol for each 258 bytes of a repeat; a copy of the compressed bytes for a segment that repeats.
 //!
 //! Source: PNG Specification (Third Edition), RFC 1950.
 
@@ -21,9 +21,10 @@
 
 use std::ops::Range;
 
+use super::changes::Shown;
 use super::deflate::{self, Block};
 use super::{Encode, Format, Part, Strip, rows};
-use crate::run::{BLACK, Header, Lines, Rgb, Run};
+use crate::run::{BLACK, Header, Lines, Rgb, Run, WHITE};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -51,19 +52,23 @@ enum Colour {
 struct Png {
     header: Header,
     colour: Colour,
-    /// Of the inks, for RGB.
+    /// Of paper and the inks, for RGB.
     blocks: Vec<rows::Block>,
     segment_rows: u32,
     /// Whether the segment has begun.
     open: bool,
+    /// The line at hand, painted.
     row: Vec<u8>,
-    /// The row above.
+    shown: Shown,
+    /// The row above. When no line is at hand both are the same.
     above: Vec<u8>,
-    /// A filter type and what it made of a row.
+    /// The bytes where they may differ.
+    stretches: Vec<Range<usize>>,
+    /// What a filter made of some bytes.
     filtered: Vec<u8>,
     idat: Idat,
     /// The last segment that was one row repeated: the row, its chunks, its checksum.
-    repeated: (Vec<u8>, Vec<u8>, Adler),
+    repeated: Option<(Vec<Run>, Vec<u8>, Adler)>,
 }
 
 impl Png {
@@ -76,47 +81,63 @@ impl Png {
             16..=255 => (Colour::Palette { depth: 8 }, 8),
             _ => (Colour::Rgb, 24),
         };
-        let row_bytes = (header.width as usize * depth).div_ceil(8);
+        let shown = Shown::new(header.width, depth);
+        let row_bytes = shown.row_bytes();
+        let paper = vec![if let Colour::Palette { .. } = colour { 0 } else { 255 }; row_bytes];
         Png {
             header: header.clone(),
             colour,
             blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
             segment_rows: segment_rows(row_bytes),
             open: false,
-            row: vec![0; row_bytes],
-            above: vec![0; row_bytes],
-            filtered: vec![0; row_bytes + 1],
+            row: paper.clone(),
+            shown,
+            above: paper,
+            stretches: Vec::new(),
+            filtered: Vec::new(),
             idat: Idat::new(),
-            repeated: (Vec::new(), Vec::new(), Adler::default()),
+            repeated: None,
         }
     }
 
+    /// Paints a line over the one above it.
     fn paint(&mut self, runs: &[Run]) {
-        self.row.fill(if let Colour::Palette { .. } = self.colour { 0 } else { 255 });
+        self.shown.show(runs);
+        let changes = self.shown.changes();
         match self.colour {
-            Colour::Grey => rows::packed(&mut self.row, 1, runs, |_| 0),
-            Colour::Palette { depth } => rows::packed(&mut self.row, depth, runs, |ink| ink as u8 + 1),
-            Colour::Rgb => rows::rgb(&mut self.row, runs, &self.blocks),
+            Colour::Grey => rows::packed(&mut self.row, 1, changes, |ink| u8::from(ink == 0)),
+            Colour::Palette { depth } => rows::packed(&mut self.row, depth, changes, |ink| ink as u8),
+            Colour::Rgb => rows::rgb(&mut self.row, changes, &self.blocks),
         }
+        self.shown.stretches(&mut self.stretches);
     }
 
     /// Puts `n` rows equal to `self.row` into the open segment, which has room for them, and ends it if they are its last.
     fn rows(&mut self, n: u32, last: bool, out: &mut Vec<u8>) {
-        let (kind, filtered) = self.filtered.split_at_mut(1);
-        if !self.open {
-            kind[0] = 0;
-            filtered.copy_from_slice(&self.row);
+        if self.open {
+            self.idat.equal(2, 1);
+            let mut at = 0;
+            for stretch in &self.stretches {
+                self.idat.equal(0, stretch.start - at);
+                self.filtered.clear();
+                let (row, above) = (&self.row[stretch.clone()], &self.above[stretch.clone()]);
+                self.filtered.extend(row.iter().zip(above).map(|(row, above)| row.wrapping_sub(*above)));
+                self.idat.bytes(&self.filtered);
+                at = stretch.end;
+            }
+            self.idat.equal(0, self.row.len() - at);
         } else {
-            kind[0] = 2;
-            filtered.iter_mut().zip(self.row.iter().zip(&self.above)).for_each(|(f, (row, above))| *f = row.wrapping_sub(*above));
+            self.idat.equal(0, 1);
+            self.idat.bytes(&self.row);
         }
-        self.idat.row(&self.filtered);
-        self.idat.repeats(self.row.len(), n - 1);
+        for _ in 1..n {
+            self.idat.equal(2, 1);
+            self.idat.equal(0, self.row.len());
+        }
         self.open = !last;
         if last {
             self.idat.end_segment(out);
         }
-        self.above.copy_from_slice(&self.row);
     }
 }
 
@@ -141,7 +162,7 @@ impl Encode for Png {
             chunk(out, b"pHYs", &[&per_metre[..], &per_metre, &[1]].concat());
         }
         if let Colour::Palette { .. } = self.colour {
-            let palette: Vec<Rgb> = [[255; 3]].iter().chain(inks).copied().collect();
+            let palette: Vec<Rgb> = [WHITE].iter().chain(inks).copied().collect();
             chunk(out, b"PLTE", palette.as_flattened());
         }
         // Zlib header: deflate with a window of 32 KiB, fast, no dictionary.
@@ -157,16 +178,19 @@ impl Encode for Png {
             let last = y.is_multiple_of(self.segment_rows);
             if n < self.segment_rows {
                 self.rows(n, last, out);
-            } else if self.repeated.0 == self.row {
-                out.extend_from_slice(&self.repeated.1);
-                self.idat.adler.append(self.repeated.2);
+            } else if let Some((_, chunks, adler)) = self.repeated.as_ref().filter(|repeated| repeated.0 == self.shown.runs()) {
+                out.extend_from_slice(chunks);
+                self.idat.adler.append(*adler);
             } else {
                 let (start, adler) = (out.len(), std::mem::take(&mut self.idat.adler));
                 self.rows(n, last, out);
                 let segment = std::mem::replace(&mut self.idat.adler, adler);
                 self.idat.adler.append(segment);
-                self.repeated = (self.row.clone(), out[start..].to_vec(), segment);
+                self.repeated = Some((self.shown.runs().to_vec(), out[start..].to_vec(), segment));
             }
+        }
+        for stretch in &self.stretches {
+            self.above[stretch.clone()].copy_from_slice(&self.row[stretch.clone()]);
         }
     }
 
@@ -211,20 +235,16 @@ impl Idat {
         Idat { block: Block::new(), compressed: Vec::new(), adler: Adler::default() }
     }
 
-    /// Takes a filtered row.
-    fn row(&mut self, filtered: &[u8]) {
+    /// Takes filtered bytes.
+    fn bytes(&mut self, filtered: &[u8]) {
         self.block.push(filtered);
         self.adler.append(Adler::of(filtered));
     }
 
-    /// Takes `n` rows of `row_bytes` bytes that are equal to the one above: a filter type and zeros.
-    fn repeats(&mut self, row_bytes: usize, n: u32) {
-        let len = row_bytes as u64 + 1;
-        for _ in 0..n {
-            self.block.push_equal(2, 1);
-            self.block.push_equal(0, row_bytes);
-            self.adler.append(Adler { a: 2, b: 2 * len % Adler::MODULUS, len });
-        }
+    /// Takes `n` equal ones.
+    fn equal(&mut self, byte: u8, n: usize) {
+        self.block.push_equal(byte, n);
+        self.adler.append(Adler::equal(byte, n as u64));
     }
 
     fn end_segment(&mut self, out: &mut Vec<u8>) {
@@ -275,6 +295,12 @@ impl Adler {
         sum.write(data);
         let sum = u64::from(sum.finish());
         Adler { a: sum & 0xffff, b: sum >> 16, len: data.len() as u64 }
+    }
+
+    /// Of `n` equal bytes, fewer than 2^28.
+    fn equal(byte: u8, n: u64) -> Adler {
+        let byte = u64::from(byte);
+        Adler { a: byte * n % Self::MODULUS, b: byte * (n * (n + 1) / 2) % Self::MODULUS, len: n }
     }
 
     fn append(&mut self, next: Adler) {

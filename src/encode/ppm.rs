@@ -18,5 +18,5 @@ pub const FORMAT: Format = Format {
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P6\n{} {}\n255\n", header.width, header.height());
     let inks = rows::blocks(&header.inks);
-    rows::plain(head, header.width as usize * 3, 255, move |runs, row| rows::rgb(row, runs, &inks))
+    rows::plain(head, (header.width, 24), 255, move |runs, row| rows::rgb(row, runs, &inks))
 }

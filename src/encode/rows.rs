@@ -1,17 +1,17 @@
 //! Runs become rows of bytes, and formats that are nothing but a head and such rows.
 //!
-//! A row is paper first, and then painted run by run, a byte at a time. It is done once for equal lines; the rest are copies. The
-//! first pass is what makes room for the row at all, so that every byte is touched by the few passes that it needs.
+//! A row is kept, which is paper at first, and line after line what changes is painted over it, a byte at a time. What goes out are copies of it.
 
+use super::changes::Shown;
 use super::{Encode, Part, Strip};
-use crate::run::{Lines, Rgb, Run};
+use crate::run::{Lines, Rgb, Run, WHITE};
 
 /// A byte of equal pixels of `depth` bits (1, 2, 4 or 8): at 2 bits, pixel 3 is 3 · 0b01010101.
 pub fn spread(depth: u32, pixel: u8) -> u8 {
     255 / ((1u16 << depth) - 1) as u8 * pixel
 }
 
-/// Writes the pixels of `runs` into `row`, which is paper, at `depth` bits a pixel (1, 2, 4 or 8), leftmost in the high bits. `value`
+/// Writes the pixels of `runs` into `row` at `depth` bits a pixel (1, 2, 4 or 8), leftmost in the high bits. `value`
 /// gives the pixel of an ink.
 pub fn packed(row: &mut [u8], depth: u32, runs: &[Run], value: impl Fn(u32) -> u8) {
     for run in runs {
@@ -39,20 +39,20 @@ fn fill_bits(row: &mut [u8], start: usize, end: usize, pattern: u8) {
 /// Sixteen equal pixels of three bytes, which are whole registers of any width.
 pub type Block = [u8; 48];
 
-/// The blocks of inks.
+/// The blocks of paper and of the inks.
 pub fn blocks(inks: &[Rgb]) -> Vec<Block> {
     let block = |ink: &Rgb| {
         let mut block = [0; 48];
         block.as_chunks_mut().0.fill(*ink);
         block
     };
-    inks.iter().map(block).collect()
+    [WHITE].iter().chain(inks).map(block).collect()
 }
 
-/// Writes the pixels of `runs` into `row`, which is white, at three bytes a pixel.
-pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Block]) {
+/// Writes the pixels of `runs` into `row` at three bytes a pixel; their inks index `blocks`.
+pub fn rgb(row: &mut [u8], runs: &[Run], blocks: &[Block]) {
     for run in runs {
-        let block = &inks[run.ink as usize];
+        let block = &blocks[run.ink as usize];
         let (whole, rest) = row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut();
         whole.iter_mut().for_each(|pixels| *pixels = *block);
         rest.copy_from_slice(&block[..rest.len()]);
@@ -63,21 +63,23 @@ pub fn rgb(row: &mut [u8], runs: &[Run], inks: &[Block]) {
 /// cost more on the way than they save in it.
 const STRIP_BYTES: usize = 1 << 19;
 
-/// A writer of `head` and then rows of `row_bytes` bytes, which are `paper` before `paint` writes its runs over them.
-pub fn plain(head: String, row_bytes: usize, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
-    Box::new(Plain { head, row_bytes, paper, paint })
+/// A writer of `head` and then rows of `width` pixels of `depth` bits, which are bytes `paper` before `paint` writes changes over them, as [`Shown`] gives
+/// them.
+pub fn plain(head: String, (width, depth): (u32, u32), paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+    let shown = Shown::new(width, depth);
+    Box::new(Plain { head, row: vec![paper; shown.row_bytes()], shown, paint })
 }
 
 struct Plain<P> {
     head: String,
-    row_bytes: usize,
-    paper: u8,
+    row: Vec<u8>,
+    shown: Shown,
     paint: P,
 }
 
 impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     fn line_bytes(&self) -> usize {
-        self.row_bytes
+        self.row.len()
     }
 
     fn begin(&mut self, out: &mut Vec<u8>) {
@@ -85,16 +87,15 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     }
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
-        let at = out.len();
-        out.resize(at + self.row_bytes, self.paper);
-        (self.paint)(lines.runs, &mut out[at..]);
-        (1..lines.n).for_each(|_| out.extend_from_within(at..at + self.row_bytes));
+        self.shown.show(lines.runs);
+        (self.paint)(self.shown.changes(), &mut self.row);
+        (0..lines.n).for_each(|_| out.extend_from_slice(&self.row));
     }
 
     fn end(&mut self, _out: &mut Vec<u8>) {}
 
     fn strip_lines(&self) -> u32 {
-        lines_of(STRIP_BYTES, self.row_bytes)
+        lines_of(STRIP_BYTES, self.row.len())
     }
 
     fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {

@@ -4,7 +4,7 @@ use crate::count::Node;
 use crate::edge::Builder;
 use crate::error::Result;
 use crate::shape::Shape;
-use crate::spread::spread;
+use crate::spread::joined;
 
 /// Points of outlines for which another thread pays.
 const SHARE: usize = 1 << 14;
@@ -24,9 +24,8 @@ pub(super) fn edges(shapes: &[Shape], leaves: &[(usize, Node)], threads: usize, 
     };
     let groups = groups(shapes, leaves);
     if threads > 1 && groups.len() > 1 {
-        let mut built = spread(&groups, threads, |group| build(group)).into_iter();
-        let whole = built.next().and_then(|first| built.try_fold(first.ok()?, |mut whole, next| whole.append(next.ok()?).then_some(whole)));
-        if let Some(whole) = whole {
+        let join = |whole: &mut Builder, built: Result<Builder>| built.is_ok_and(|built| whole.append(built));
+        if let Some(whole) = joined(&groups, threads, |group| build(group), new(), join) {
             return Ok(whole);
         }
     }

@@ -54,9 +54,9 @@ pub fn info(scene: &Scene) -> Result<Info> {
     let measure = |shape: &Shape| {
         let (mut bounds, mut edges) = (None, 0);
         let transform = shape.transform.then_place(unplaced.scale, unplaced.offset);
-        shape.rings(&transform, &how, |ring| {
-            edges += ring.len() as u64;
-            ring.iter().for_each(|&[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
+        shape.rings(&transform, &how, |part| {
+            edges += part.points.len() as u64;
+            part.points.iter().for_each(|&[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
             Ok(())
         })?;
         Ok((bounds, edges))

@@ -1,5 +1,7 @@
 //! Paths to rings of points in pixels.
 //!
+//! Rings are handed over in parts, so that one of any length passes through a small buffer.
+//!
 //! Curves are flattened in pixels, behind the transform, so that the tolerance holds at any resolution. Parts of a curve that cannot
 //! reach the page are replaced by their chords: a curve and its chord on one side of the page leave the same windings on it, and a curve of
 //! a thousand kilometres costs what is seen of it.
@@ -27,24 +29,85 @@ pub struct Flattening {
 /// Curves larger than so many tolerances are halved before they are flattened.
 const LARGE: f64 = 655_360.0;
 
-/// Hands the rings of a path under an affine map to `ring`; see [`super::Shape::rings`].
-pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, mut ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
-    let mut points = Vec::new();
+/// Points of a ring that follow those of the part before: one to [`PART`].
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'p> {
+    /// In pixels.
+    pub points: &'p [Point],
+    /// Whether the ring ends with them.
+    pub last: bool,
+}
+
+/// Most points of a [`Part`].
+pub const PART: usize = 256;
+
+/// The parts of a ring that is at hand.
+pub(super) fn parts(ring: &[Point]) -> impl Iterator<Item = Part<'_>> {
+    let count = ring.len().div_ceil(PART);
+    ring.chunks(PART).zip(1..).map(move |(points, number)| Part { points, last: number == count })
+}
+
+/// Hands the rings of a path under an affine map to `part`; see [`super::Shape::rings`].
+pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, part: impl FnMut(Part<'_>) -> Result<()>) -> Result<()> {
+    let mut held = Held { points: Vec::with_capacity(PART.min(path.points().len())), part };
     for piece in pieces(path) {
         match piece {
             Piece::Start(p) => {
-                if !points.is_empty() {
-                    ring(&points)?;
-                }
-                points.clear();
-                points.push(affine(matrix, p));
+                held.end()?;
+                held.push(affine(matrix, p))?;
             }
-            Piece::Lines(ends) => points.extend(ends.iter().map(|&p| affine(matrix, p))),
-            Piece::Cubic(cubic) => flatten(cubic.map(|p| affine(matrix, p)), how, |_, _, p| points.push(p)),
+            Piece::Lines(mut ends) => {
+                while !ends.is_empty() {
+                    let now;
+                    (now, ends) = ends.split_at(held.room()?.min(ends.len()));
+                    held.points.extend(now.iter().map(|&p| affine(matrix, p)));
+                }
+            }
+            Piece::Cubic(cubic) => {
+                let mut done = Ok(());
+                flatten(cubic.map(|p| affine(matrix, p)), how, |_, _, p| {
+                    if done.is_ok() {
+                        done = held.push(p);
+                    }
+                });
+                done?;
+            }
             Piece::Close(_) => {}
         }
     }
-    if points.is_empty() { Ok(()) } else { ring(&points) }
+    held.end()
+}
+
+/// Points of a ring on their way out.
+struct Held<P> {
+    points: Vec<Point>,
+    part: P,
+}
+
+impl<P: FnMut(Part<'_>) -> Result<()>> Held<P> {
+    /// How many points can be added, one at least. What hands on a part keeps the ring open: a point follows.
+    fn room(&mut self) -> Result<usize> {
+        if self.points.len() == PART {
+            (self.part)(Part { points: &self.points, last: false })?;
+            self.points.clear();
+        }
+        Ok(PART - self.points.len())
+    }
+
+    fn push(&mut self, p: Point) -> Result<()> {
+        self.room()?;
+        self.points.push(p);
+        Ok(())
+    }
+
+    /// Ends the ring, if there is one.
+    fn end(&mut self) -> Result<()> {
+        if !self.points.is_empty() {
+            (self.part)(Part { points: &self.points, last: true })?;
+            self.points.clear();
+        }
+        Ok(())
+    }
 }
 
 pub(super) fn affine(&[a, b, c, d, e, f]: &[f64; 6], [x, y]: Point) -> Point {
@@ -189,12 +252,17 @@ mod tests {
     }
 
     fn points(path: &Path, matrix: &[f64; 6], how: Flattening) -> Vec<Vec<Point>> {
-        let mut all = Vec::new();
-        let done = rings(path, matrix, &how, |ring| {
-            all.push(ring.to_vec());
+        let (mut all, mut ring) = (Vec::new(), Vec::new());
+        let done = rings(path, matrix, &how, |Part { points, last }| {
+            assert!((1..=PART).contains(&points.len()));
+            ring.extend_from_slice(points);
+            if last {
+                all.push(std::mem::take(&mut ring));
+            }
             Ok(())
         });
         done.unwrap();
+        assert!(ring.is_empty(), "the last ring ends");
         all
     }
 
@@ -253,6 +321,23 @@ mod tests {
             let all = points(&circle(r), &[1.0, 0.0, 0.0, 1.0, -r + 500.0, 500.0], how);
             assert!(all[0].len() < 20_000, "{r}: {}", all[0].len());
             assert!(all[0].iter().flatten().all(|v| v.is_finite()));
+        }
+    }
+
+    #[test]
+    fn rings_of_any_length_come_whole() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        for length in [1, 2, PART - 1, PART, PART + 1, 3 * PART, 3 * PART + 7] {
+            let long: Vec<Point> = (0..length).map(|i| [i as f64, (i * i % 7) as f64]).collect();
+            let mut path = Path::default();
+            path.ring(&long);
+            path.ring(&square);
+            path.ring(&long);
+            let all = points(&path, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0], Flattening { tolerance: 0.1, window: [0.0, 0.0, 9.0, 9.0] });
+            assert_eq!(all, [&long[..], &square, &long], "{length}");
+            let at_once: Vec<Part<'_>> = parts(&long).collect();
+            assert_eq!(at_once.iter().map(|part| part.points).collect::<Vec<_>>().concat(), long);
+            assert!(at_once.iter().rev().map(|part| part.last).eq((0..at_once.len()).map(|i| i == 0)), "{length}");
         }
     }
 

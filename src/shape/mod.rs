@@ -11,7 +11,7 @@ pub use stroke::DASHES;
 
 use std::sync::Arc;
 
-use self::flatten::Flattening;
+use self::flatten::{Flattening, Part};
 use crate::error::{Error, Kind, Result};
 use crate::grid::Point;
 
@@ -224,16 +224,17 @@ impl Shape {
         Shape { name: name.into(), path: path.into(), rule: FillRule::NonZero, stroke: None, transform: Transform::IDENTITY }
     }
 
-    /// Hands the rings of the outline under `transform` to `ring`, as points in pixels, not closed by a repeated point. A ring has at least
-    /// one point. Points may be infinite or not a number where the transform overflows.
+    /// Hands the rings of the outline under `transform` to `part`, part by part, as points in pixels, not closed by a repeated point. A ring has
+    /// at least one point. Points may be infinite or not a number where the transform overflows.
     ///
     /// # Errors
-    /// A stroke of more than [`DASHES`], or under a homography; the first that `ring` returns.
-    pub fn rings(&self, transform: &Transform, how: &Flattening, ring: impl FnMut(&[Point]) -> Result<()>) -> Result<()> {
+    /// A stroke of more than [`DASHES`], or under a homography; the first that `part` returns.
+    pub fn rings(&self, transform: &Transform, how: &Flattening, mut part: impl FnMut(Part<'_>) -> Result<()>) -> Result<()> {
+        let whole = |ring: &[Point]| flatten::parts(ring).try_for_each(&mut part);
         match (&self.stroke, transform) {
-            (None, Transform::Affine(matrix)) => flatten::rings(&self.path, matrix, how, ring),
-            (None, Transform::Projective(matrix)) => projective::rings(&self.path, matrix, how, ring),
-            (Some(stroke), Transform::Affine(matrix)) => stroke::rings(&self.path, stroke, matrix, how, &self.name, ring),
+            (None, Transform::Affine(matrix)) => flatten::rings(&self.path, matrix, how, part),
+            (None, Transform::Projective(matrix)) => projective::rings(&self.path, matrix, how, whole),
+            (Some(stroke), Transform::Affine(matrix)) => stroke::rings(&self.path, stroke, matrix, how, &self.name, whole),
             (Some(_), Transform::Projective(_)) => {
                 Err(Error::input(Kind::Refused, format!("\"{}\": a stroke under a homography: draw its outline", self.name)))
             }
