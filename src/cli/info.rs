@@ -50,6 +50,7 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let mut warnings = Vec::new();
     let scene = runset::input::read_with(bytes, &limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
     let info = info(&scene).map_err(|error| ends.failure(&error))?;
+    drop(scene);
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
 }
@@ -63,8 +64,8 @@ fn describe(info: &Info) -> String {
         return size + "no ids\n";
     }
     let heading = ["id", "kind", "left", "top", "right", "bottom", "mm", "edges", "ink"].map(str::to_owned);
-    let rows: Vec<_> = std::iter::once(heading).chain(info.ids.iter().map(row)).collect();
-    size + "\n" + &table(&rows, [false, false, true, true, true, true, true, true, false])
+    let rows = std::iter::once(heading).chain(info.ids.iter().map(row));
+    size + "\n" + &table(rows, [false, false, true, true, true, true, true, true, false])
 }
 
 fn row(entry: &Entry) -> [String; 9] {
@@ -90,7 +91,12 @@ fn quoted(id: &str) -> String {
 
 /// A number with two decimals, or in powers of ten where that would be long.
 fn number(x: f64) -> String {
-    if x.abs() < 1e9 { format!("{x:.2}") } else { format!("{x:.6e}") }
+    if x.abs() >= 1e9 {
+        return format!("{x:.6e}");
+    }
+    let hundredths = (x * 100.0).round() as i64;
+    let sign = if hundredths < 0 { "-" } else { "" };
+    format!("{sign}{}.{:02}", hundredths.abs() / 100, hundredths.abs() % 100)
 }
 
 #[cfg(test)]

@@ -44,8 +44,7 @@ pub struct Man {
 pub fn formats() -> Result<(), Failure> {
     let heading = ["format", "extensions", "media type", "about"].map(str::to_owned);
     let rows = FORMATS.iter().map(|f| [f.name, &f.extensions.join(" "), f.media_type, f.about].map(str::to_owned));
-    let rows: Vec<_> = std::iter::once(heading).chain(rows).collect();
-    print(&table(&rows, [false; 4]))
+    print(&table(std::iter::once(heading).chain(rows), [false; 4]))
 }
 
 /// Prints the completions of a shell.

@@ -5,11 +5,11 @@ use unicode_width::UnicodeWidthStr;
 /// Widest cell that others are aligned with; what is wider pushes its row to the right.
 const WIDEST: usize = 40;
 
-/// Lines of `rows`, the columns two spaces apart; those for which `right` holds are flush right.
-pub fn table<const N: usize>(rows: &[[String; N]], right: [bool; N]) -> String {
+/// Lines of `rows`, the columns two spaces apart; those for which `right` holds are flush right. The rows are asked for twice, so that none is kept.
+pub fn table<const N: usize>(rows: impl Iterator<Item = [String; N]> + Clone, right: [bool; N]) -> String {
     let mut widths = [0; N];
-    for row in rows {
-        for (width, cell) in widths.iter_mut().zip(row) {
+    for row in rows.clone() {
+        for (width, cell) in widths.iter_mut().zip(&row) {
             *width = cell.width().min(WIDEST).max(*width);
         }
     }
@@ -17,9 +17,15 @@ pub fn table<const N: usize>(rows: &[[String; N]], right: [bool; N]) -> String {
     for row in rows {
         let start = text.len();
         for ((cell, width), right) in row.iter().zip(widths).zip(right) {
-            let space = " ".repeat(width.saturating_sub(cell.width()));
-            let (before, after) = if right { (space.as_str(), "") } else { ("", space.as_str()) };
-            text.extend([before, cell, after, "  "]);
+            let space = std::iter::repeat_n(' ', width.saturating_sub(cell.width()));
+            if right {
+                text.extend(space);
+                text.push_str(cell);
+            } else {
+                text.push_str(cell);
+                text.extend(space);
+            }
+            text.push_str("  ");
         }
         text.truncate(start + text[start..].trim_end().len());
         text.push('\n');
@@ -34,12 +40,12 @@ mod tests {
     #[test]
     fn wide_characters_take_two_columns() {
         let rows = [["名前", "1"], ["abcde", "22"]].map(|row| row.map(str::to_owned));
-        assert_eq!(table(&rows, [false, true]), "名前    1\nabcde  22\n");
+        assert_eq!(table(rows.iter().cloned(), [false, true]), "名前    1\nabcde  22\n");
     }
 
     #[test]
     fn a_very_long_cell_does_not_move_the_others() {
         let rows = [["x".repeat(100), "1".to_owned()], ["y".to_owned(), "2".to_owned()]];
-        assert_eq!(table(&rows, [false, true]), format!("{}  1\ny{}  2\n", "x".repeat(100), " ".repeat(39)));
+        assert_eq!(table(rows.iter().cloned(), [false, true]), format!("{}  1\ny{}  2\n", "x".repeat(100), " ".repeat(39)));
     }
 }

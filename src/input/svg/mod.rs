@@ -78,25 +78,26 @@ fn document(text: String, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<War
     let mut notes = Notes::read(&xml, &styles);
     outside::note(&xml, &styles, &missing, &mut notes);
     sheet::note(&xml, &mut notes);
-    let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
+    let tagged = tags::rewrite(&xml, &styles, &outlines);
     drop((styles, missing, outlines));
     let (drawing, names, tags) = if let Some((rewritten, tags)) = tagged {
+        let names = Names::read(&xml, &mut notes);
         notes.find_places(&text);
         drop(xml);
         drop(text);
-        let xml = parsed(&rewritten)?;
-        (resolved(&xml, fonts)?, Names::read(&xml, &mut notes), tags)
+        (resolved(&parsed(&rewritten)?, fonts)?, names, tags)
     } else {
+        // `usvg` takes more than anything else: the names come behind it.
+        let drawing = resolved(&xml, fonts)?;
         let names = Names::read(&xml, &mut notes);
         notes.find_places(&text);
-        let drawing = resolved(&xml, fonts)?;
         drop(xml);
         drop(text);
         (drawing, names, Tags::default())
     };
     let walked = tree::walk(&drawing, &tags, limits, &mut notes)?;
-    let scene = names.give(walked, limits)?;
-    warnings.append(&mut notes.warnings());
+    let (scene, places) = names.give(walked, limits)?;
+    warnings.append(&mut notes.warnings(|id| scene.position(id).map(|i| places[i])));
     Ok(scene)
 }
 

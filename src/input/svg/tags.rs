@@ -18,13 +18,12 @@
 //! Rejected: writing `use` out as groups, which means doing again what `usvg` does with symbols, viewports, percentages and inherited
 //! paint, and costs a copy of the text for each use; and marks by clip paths, each of which `usvg` compares with each.
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use foldhash::{HashMap, HashSet};
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
 use super::edits::Edits;
-use super::notes::{Element, Notes};
 use super::outlines::{self, Outlines};
 use super::style::Styles;
 use super::{attribute, href, is_svg, transform};
@@ -89,8 +88,8 @@ struct Around {
     part: u32,
 }
 
-/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
+/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning.
+pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
@@ -121,11 +120,6 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: 
         }
         let first = own.filter(|id| ids.of.get(id.value()).is_some_and(|found| found.first == node.id()));
         if let (Some(own), None) = (own, first) {
-            notes.add_at(
-                Some(node.range().start),
-                Element { id: own.value(), own: true },
-                "this id stands more than once: the first counts",
-            );
             text.rename(own);
         }
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);
@@ -234,7 +228,7 @@ struct Found {
 
 impl<'a> Ids<'a> {
     fn read(xml: &'a Document<'_>) -> Ids<'a> {
-        let mut ids = Ids { of: HashMap::new(), used: HashSet::new() };
+        let mut ids = Ids { of: HashMap::default(), used: HashSet::default() };
         for node in xml.descendants().filter(Node::is_element) {
             if let Some(id) = attribute(node, "id").filter(|id| is_svg(node) && !id.is_empty()) {
                 ids.of.entry(id).and_modify(|found| found.twice = true).or_insert(Found { first: node.id(), twice: false });

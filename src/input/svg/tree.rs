@@ -8,10 +8,10 @@
 //! drawing and one for each clip path or mask under way, which is walked before the group that it cuts. A stroke is a shape of its own beside
 //! the fill; text arrives as a group of the outlines of its glyphs.
 
-use std::collections::HashMap;
 use std::iter::Peekable;
 use std::sync::Arc;
 
+use foldhash::HashMap;
 use usvg::{BlendMode, Group, MaskType, Node, PaintOrder};
 
 use super::cut::{Cuts, Cutter, Key};
@@ -31,7 +31,7 @@ use crate::shape::{FillRule, Path, Shape, Transform};
 pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes) -> Result<Walked<'t>> {
     let size = drawing.size();
     let scene = Scene::new(f64::from(size.width()), f64::from(size.height()));
-    let walked = Walked { scene, drawn: HashMap::new(), paints: Vec::new() };
+    let walked = Walked { scene, drawn: HashMap::default(), paints: Vec::new() };
     let mut walk = Walk { walked, tags, limits, notes, sinks: vec![Sink::default()], cuts: Cuts::default(), verbs: 0 };
     let root = Step::new(drawing.root(), IDENTITY, Element { id: "", own: false });
     let mut way = vec![walk.enter(drawing.root(), &root)];
