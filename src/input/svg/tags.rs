@@ -26,6 +26,7 @@ use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 use super::edits::Edits;
 use super::outlines::{self, Outlines};
 use super::style::Styles;
+use super::viewport::Viewport;
 use super::{attribute, href, is_svg, transform};
 use crate::shape::Path;
 
@@ -52,6 +53,8 @@ pub(super) struct Tag {
     pub(super) stroke_opacity: f32,
     /// Its outline, if `usvg` is given a stand-in.
     pub(super) outline: Option<Arc<Path>>,
+    /// What it says of the coordinates of its content, if it is such an element.
+    pub(super) viewport: Option<Box<Viewport>>,
     /// For a part of a text the serial number of the part around it; 0 if there is none.
     outer: u32,
 }
@@ -126,7 +129,8 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: 
         let lost = own.is_some() != first.is_some()
             || first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
         let outline = outlines.of(node);
-        if (!lost && marker.is_none() && outline.is_none()) || tags.0.len() == TAGS {
+        let viewport = Viewport::read(node, styles);
+        if (!lost && marker.is_none() && outline.is_none() && viewport.is_none()) || tags.0.len() == TAGS {
             continue;
         }
         let id_of = |attribute: Option<Attribute<'_, '_>>| attribute.map(|a| a.value().to_owned()).unwrap_or_default();
@@ -138,6 +142,7 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: 
             opacity: 1.0,
             stroke_opacity: 1.0,
             outline: outline.map(|outline| outline.path.clone()),
+            viewport: viewport.map(Box::new),
             outer: here.part,
         };
         let serial = tags.0.len() as u32 + 1;
