@@ -1,5 +1,7 @@
 //! What is drawn but not supported: one warning for an element and a reason.
 
+use std::fmt::Display;
+
 use foldhash::HashSet;
 use usvg::roxmltree::{Document, Node};
 
@@ -11,7 +13,7 @@ use crate::scene::quoted;
 /// Gathers warnings.
 pub(super) struct Notes {
     notes: Vec<(At, String)>,
-    given: HashSet<(String, String)>,
+    given: HashSet<String>,
 }
 
 /// Where the element begins that a note is about.
@@ -55,19 +57,18 @@ impl Notes {
     }
 
     /// Warns, once for equal words.
-    pub(super) fn add(&mut self, element: Element<'_>, what: impl Into<String>) {
-        self.add_once(|| At::Id(element.id.to_owned()), element, what.into());
+    pub(super) fn add(&mut self, element: Element<'_>, what: impl Display) {
+        self.add_once(At::Id(element.id.to_owned()), format!("{}: {}", element.named(), what));
     }
 
     /// Warns of the element that begins at a byte, once for equal words.
-    pub(super) fn add_at(&mut self, start: usize, element: Element<'_>, what: impl Into<String>) {
-        self.add_once(|| At::Byte(start), element, what.into());
+    pub(super) fn add_at(&mut self, start: usize, element: Element<'_>, what: impl Display) {
+        self.add_once(At::Byte(start), format!("{}: {}", element.named(), what));
     }
 
-    fn add_once(&mut self, at: impl FnOnce() -> At, element: Element<'_>, what: String) {
-        let element = element.named();
-        if self.given.insert((element.clone(), what.clone())) {
-            self.notes.push((at(), format!("{element}: {what}")));
+    fn add_once(&mut self, at: At, words: String) {
+        if self.given.insert(words.clone()) {
+            self.notes.push((at, words));
         }
     }
 
