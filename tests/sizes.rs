@@ -30,6 +30,25 @@ fn pages_have_their_physical_size() {
     }
 }
 
+/// Sizes that come out at half a pixel are rounded up, worked out in whole numbers: a length is a number of steps, each such a part of an inch.
+#[test]
+fn half_pixels_are_rounded_up() {
+    let mut halves = 0;
+    for (unit, step, steps_an_inch) in [("mm", 0.05, 508), ("cm", 0.01, 254), ("pt", 0.25, 288), ("pc", 0.125, 48), ("in", 0.001, 1000)] {
+        for dpi in [5, 10, 20, 60, 72, 100, 127, 150, 254, 300, 360, 508, 600, 720, 1016, 1200, 2400, 2540] {
+            let is_half = |steps: &u64| steps * dpi % steps_an_inch * 2 == steps_an_inch;
+            for steps in (1..4000).filter(is_half).step_by(7) {
+                let length = format!("{:.3}{unit}", step * steps as f64);
+                let scene = read(&format!(r#"width="{length}" height="1""#));
+                let page = Size::Dpi(dpi as f64).page(scene.width, scene.height).unwrap();
+                assert_eq!(u64::from(page.width), steps * dpi / steps_an_inch + 1, "{length} at {dpi} dpi");
+                halves += 1;
+            }
+        }
+    }
+    assert!(halves > 1000, "{halves}");
+}
+
 #[test]
 fn view_boxes_are_fitted_as_they_ask() {
     // The view box 10 20 100 50 on 100 x 200: it fits with 1 (150 left over below), and covers with 4 (300 beyond the sides).

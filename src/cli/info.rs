@@ -50,6 +50,7 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let mut warnings = Vec::new();
     let scene = runset::input::read_with(bytes, &limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
     let info = info(&scene).map_err(|error| ends.failure(&error))?;
+    drop(scene);
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
 }
@@ -57,24 +58,46 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
 fn describe(info: &Info) -> String {
     /// A user unit is 1/96 inch.
     const MM: f64 = 25.4 / 96.0;
-    let [width, height, width_mm, height_mm] = [info.width, info.height, info.width * MM, info.height * MM].map(number);
+    let [width, height, width_mm, height_mm] = [info.width, info.height, info.width * MM, info.height * MM].map(|x| {
+        let mut text = String::new();
+        number(x, &mut text);
+        text
+    });
     let size = format!("{width} x {height} user units ({width_mm} x {height_mm} mm)\n");
     if info.ids.is_empty() {
         return size + "no ids\n";
     }
-    let heading = ["id", "kind", "left", "top", "right", "bottom", "mm", "edges", "ink"].map(str::to_owned);
-    let rows: Vec<_> = std::iter::once(heading).chain(info.ids.iter().map(row)).collect();
-    size + "\n" + &table(&rows, [false, false, true, true, true, true, true, true, false])
+    let heading = ["id", "kind", "left", "top", "right", "bottom", "mm", "edges", "ink"];
+    let right = [false, false, true, true, true, true, true, true, false];
+    let cells = |i: usize, cells: &mut [String; 9]| match i.checked_sub(1) {
+        Some(i) => row(&info.ids[i], cells),
+        None => *cells = heading.map(str::to_owned),
+    };
+    size + "\n" + &table(1 + info.ids.len(), right, cells)
 }
 
-fn row(entry: &Entry) -> [String; 9] {
+/// Adds what is told of an id to empty cells.
+fn row(entry: &Entry, [id, kind, left, top, right, bottom, mm, edges, ink]: &mut [String; 9]) {
     /// Deepest indentation.
     const DEEPEST: u32 = 12;
-    let id = "  ".repeat(entry.depth.min(DEEPEST) as usize) + &quoted(&entry.id);
-    let [left, top, right, bottom] = entry.bounds.map_or_else(|| ["-"; 4].map(str::to_owned), |bounds| bounds.map(number));
-    let mm = entry.bounds_mm.map_or_else(|| "-".to_owned(), |[l, t, r, b]| format!("{} x {}", number(r - l), number(b - t)));
-    let ink = entry.ink.clone().unwrap_or_else(|| "-".to_owned());
-    [id, entry.kind.to_owned(), left, top, right, bottom, mm, entry.edges.to_string(), ink]
+    id.extend(std::iter::repeat_n("  ", entry.depth.min(DEEPEST) as usize));
+    id.push_str(&quoted(&entry.id));
+    kind.push_str(entry.kind);
+    for (cell, i) in [left, top, right, bottom].into_iter().zip(0_usize..) {
+        match entry.bounds {
+            Some(bounds) => number(bounds[i], cell),
+            None => cell.push('-'),
+        }
+    }
+    if let Some([left, top, right, bottom]) = entry.bounds_mm {
+        number(right - left, mm);
+        mm.push_str(" x ");
+        number(bottom - top, mm);
+    } else {
+        mm.push('-');
+    }
+    edges.push_str(itoa::Buffer::new().format(entry.edges));
+    ink.push_str(entry.ink.as_deref().unwrap_or("-"));
 }
 
 /// An id as an expression takes it; control characters, which would break the table, are replaced.
@@ -88,9 +111,20 @@ fn quoted(id: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// A number with two decimals, or in powers of ten where that would be long.
-fn number(x: f64) -> String {
-    if x.abs() < 1e9 { format!("{x:.2}") } else { format!("{x:.6e}") }
+/// Writes a number with two decimals, or in powers of ten where that would be long.
+fn number(x: f64, text: &mut String) {
+    if x.abs() >= 1e9 {
+        text.push_str(&format!("{x:.6e}"));
+        return;
+    }
+    let hundredths = (x * 100.0).round() as i64;
+    if hundredths < 0 {
+        text.push('-');
+    }
+    let [whole, rest] = [hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100];
+    text.push_str(itoa::Buffer::new().format(whole));
+    text.push_str(if rest < 10 { ".0" } else { "." });
+    text.push_str(itoa::Buffer::new().format(rest));
 }
 
 #[cfg(test)]

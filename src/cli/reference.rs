@@ -1,7 +1,7 @@
 //! `runset formats`, `completions` and `man`: what the program says about itself.
 
 use clap_complete::Shell;
-use runset::encode::FORMATS;
+use runset::encode::{FORMATS, Format};
 
 use super::messages::{Failure, print};
 use super::table::table;
@@ -43,9 +43,9 @@ pub struct Man {
 /// Standard output fails.
 pub fn formats() -> Result<(), Failure> {
     let heading = ["format", "extensions", "media type", "about"].map(str::to_owned);
-    let rows = FORMATS.iter().map(|f| [f.name, &f.extensions.join(" "), f.media_type, f.about].map(str::to_owned));
-    let rows: Vec<_> = std::iter::once(heading).chain(rows).collect();
-    print(&table(&rows, [false; 4]))
+    let row = |f: &Format| [f.name, &f.extensions.join(" "), f.media_type, f.about].map(str::to_owned);
+    let rows: Vec<_> = std::iter::once(heading).chain(FORMATS.iter().map(row)).collect();
+    print(&table(rows.len(), [false; 4], |i, cells| cells.clone_from(&rows[i])))
 }
 
 /// Prints the completions of a shell.

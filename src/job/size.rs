@@ -41,7 +41,7 @@ impl Size {
     /// A size that is not positive, or larger than a page may be.
     pub fn page(&self, width: f64, height: f64) -> Result<Page> {
         let scaled = |scale: f64| {
-            let [width, height] = [width * scale, height * scale].map(|size| (size + 0.5).floor().max(1.0));
+            let [width, height] = [width * scale, height * scale].map(|size| whole(size).max(1.0));
             fits(width, height)?;
             Ok(Page { width: width as u32, height: height as u32, placement: Placement { scale, offset: [0.0; 2] } })
         };
@@ -63,6 +63,12 @@ impl Size {
         fits(page.width.into(), page.height.into())?;
         Ok(page)
     }
+}
+
+/// A size in whole pixels, half a pixel rounded up: 36.83 mm at 50 dpi are 72.5 px, although the doubles on the way there are not exact.
+fn whole(size: f64) -> f64 {
+    const ROUNDING: f64 = 8.0 * f64::EPSILON;
+    (size * (1.0 + ROUNDING) + 0.5).floor()
 }
 
 /// Whether a page may be that large, in pixels.

@@ -17,7 +17,7 @@ pub use formula::{Area, Formula, Gate, Input};
 pub use limits::Limits;
 pub(crate) use token::quoted;
 
-use std::collections::HashMap;
+use foldhash::HashMap;
 
 use crate::error::{Result, Warning};
 use crate::run::Rgb;
@@ -93,7 +93,7 @@ impl Scene {
             art: nothing,
             picture: Picture::Region(nothing),
             names: Vec::new(),
-            index: HashMap::new(),
+            index: HashMap::default(),
         }
     }
 
@@ -116,7 +116,12 @@ impl Scene {
 
     /// The area of that id, if the document has it. Built-in names are not looked at.
     pub fn named(&self, id: &str) -> Option<&Named> {
-        self.index.get(id).map(|&i| &self.names[i as usize])
+        self.position(id).map(|i| &self.names[i])
+    }
+
+    /// Where that id stands among [`Scene::names`].
+    pub(crate) fn position(&self, id: &str) -> Option<usize> {
+        self.index.get(id).map(|&i| i as usize)
     }
 
     /// All named areas, in document order.

@@ -1,5 +1,5 @@
-//! Input that means harm: within two seconds and 256 MiB the right picture, or one clear line and exit 1 or 2. What is large itself gets more:
-//! 80 ns a byte, and ten times its size to be looked at, thirty times to be drawn.
+//! Input that means harm: within two seconds and 256 MiB the right picture, or one clear line and exit 1 or 2. What is large itself gets more, by its
+//! size: see [`Share`].
 //!
 //! `RUNSET_RELEASE` names the binary to measure; without it the one that cargo built for the tests is taken, and given ten times as long.
 
@@ -16,14 +16,20 @@ use std::time::{Duration, Instant};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-/// Largest resident set of a run, in KiB: so much, or so many times its input.
+/// Largest resident set of a run, in KiB.
 const MEMORY: u64 = 256 << 10;
-const TIMES_LOOKED_AT: u64 = 10;
-const TIMES_DRAWN: u64 = 30;
 
-/// Processor time of a run: so much, or so much for every byte of its input.
+/// Processor time of a run.
 const TIME: Duration = Duration::from_secs(2);
-const TIME_A_BYTE: Duration = Duration::from_nanos(80);
+
+/// What a run may take for every byte of its input, where that is more.
+#[derive(Clone, Copy)]
+struct Share {
+    /// Resident bytes.
+    bytes: u64,
+    /// Nanoseconds of processor time.
+    nanoseconds: u64,
+}
 
 /// "100,000 deep or with 100,000 operands".
 const MANY: usize = 100_000;
@@ -57,23 +63,27 @@ fn binary() -> (PathBuf, u32) {
 /// Runs the program on every input, one after the other, and names all that go wrong.
 #[track_caller]
 fn check(command: &str, cases: Vec<(String, Vec<u8>, Right)>) {
+    check_within(Share { bytes: 0, nanoseconds: 0 }, command, cases);
+}
+
+#[track_caller]
+fn check_within(share: Share, command: &str, cases: Vec<(String, Vec<u8>, Right)>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("in");
     let mut wrong = Vec::new();
     for (name, input, right) in cases {
         fs::write(&path, input).unwrap();
-        wrong.extend(fault(command, &path, &right).map(|fault| format!("{name}: {fault}")));
+        wrong.extend(fault(share, command, &path, &right).map(|fault| format!("{name}: {fault}")));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// What is wrong with a run on `input`.
-fn fault(command: &str, input: &std::path::Path, right: &Right) -> Option<String> {
+fn fault(share: Share, command: &str, input: &std::path::Path, right: &Right) -> Option<String> {
     let (program, slower) = binary();
     let bytes = fs::metadata(input).unwrap().len();
-    let time = slower * TIME.max(TIME_A_BYTE * u32::try_from(bytes).unwrap());
-    let times = if command == "info" { TIMES_LOOKED_AT } else { TIMES_DRAWN };
-    let memory = MEMORY.max(times * bytes / 1024);
+    let time = slower * TIME.max(Duration::from_nanos(share.nanoseconds * bytes));
+    let memory = MEMORY.max(share.bytes * bytes / 1024);
     let [out, err] = ["out", "err"].map(|name| input.with_file_name(name));
     let [to, told] = [&out, &err].map(|path| Stdio::from(fs::File::create(path).unwrap()));
     let began = Instant::now();

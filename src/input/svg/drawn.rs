@@ -1,7 +1,8 @@
 //! What was drawn under which id: what the walk over a drawing hands to those who name its areas.
 
-use std::collections::HashMap;
 use std::ops::Range;
+
+use foldhash::HashMap;
 
 use crate::run::Rgb;
 use crate::scene::{Area, Scene};

@@ -28,6 +28,7 @@ mod text;
 mod transform;
 mod tree;
 mod unsupported;
+mod viewport;
 
 use std::thread;
 
@@ -37,6 +38,7 @@ use self::names::Names;
 use self::notes::Notes;
 use self::outlines::Outlines;
 use self::tags::Tags;
+use self::viewport::Viewport;
 use crate::error::{Error, Kind, Place, Result, Warning};
 use crate::input::fonts::{self, Fonts};
 use crate::scene::{Limits, Scene};
@@ -78,25 +80,27 @@ fn document(text: String, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<War
     let mut notes = Notes::read(&xml, &styles);
     outside::note(&xml, &styles, &missing, &mut notes);
     sheet::note(&xml, &mut notes);
-    let tagged = tags::rewrite(&xml, &styles, &outlines, &mut notes);
+    let page = Viewport::read(root, &styles);
+    let tagged = tags::rewrite(&xml, &styles, &outlines);
     drop((styles, missing, outlines));
     let (drawing, names, tags) = if let Some((rewritten, tags)) = tagged {
+        let names = Names::read(&xml, &mut notes);
         notes.find_places(&text);
         drop(xml);
         drop(text);
-        let xml = parsed(&rewritten)?;
-        (resolved(&xml, fonts)?, Names::read(&xml, &mut notes), tags)
+        (resolved(&parsed(&rewritten)?, fonts)?, names, tags)
     } else {
+        // `usvg` takes more than anything else: the names come behind it.
+        let drawing = resolved(&xml, fonts)?;
         let names = Names::read(&xml, &mut notes);
         notes.find_places(&text);
-        let drawing = resolved(&xml, fonts)?;
         drop(xml);
         drop(text);
         (drawing, names, Tags::default())
     };
-    let walked = tree::walk(&drawing, &tags, limits, &mut notes)?;
-    let scene = names.give(walked, limits)?;
-    warnings.append(&mut notes.warnings());
+    let walked = tree::walk(&drawing, page.as_ref(), &tags, limits, &mut notes)?;
+    let (scene, places) = names.give(walked, limits)?;
+    warnings.append(&mut notes.warnings(|id| scene.position(id).map(|i| places[i])));
     Ok(scene)
 }
 

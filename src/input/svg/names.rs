@@ -2,21 +2,23 @@
 //!
 //! An id that nothing drawn carries becomes an empty shape, so that an expression can name it, with a warning.
 
-use std::collections::HashSet;
 use std::ops::Range;
 
+use foldhash::HashSet;
 use usvg::roxmltree::Document;
 
 use super::drawn::{Drawn, Walked};
 use super::notes::{Element, Notes};
 use super::{attribute, is_svg};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Places, Result};
 use crate::run::Rgb;
 use crate::scene::{Area, Formula, Limits, Named, Scene};
 
 /// The ids of a document; of equal ones the first.
 pub(super) struct Names {
     names: Vec<Name>,
+    /// Where their elements begin.
+    places: Vec<Place>,
     /// The id of the root, which stands for everything.
     root: Option<String>,
 }
@@ -30,24 +32,25 @@ struct Name {
 impl Names {
     /// Reads them. Of an id that stands more than once there is a note.
     pub(super) fn read(xml: &Document<'_>, notes: &mut Notes) -> Names {
-        let mut names = Vec::new();
+        let (mut names, mut starts) = (Vec::new(), Vec::new());
         let mut depths: Vec<u32> = Vec::new();
-        let (mut once, mut twice) = (HashSet::new(), HashSet::new());
+        let (mut once, mut twice) = (HashSet::default(), HashSet::default());
         for node in xml.descendants() {
             let depth = node.parent().map_or(0, |p| depths[p.id().get_usize()] + u32::from(named(p).is_some()));
             depths.push(depth);
             let Some(id) = named(node) else { continue };
             if once.insert(id) {
                 names.push(Name { id: id.to_owned(), kind: kind(node.tag_name().name()), depth });
+                starts.push(node.range().start);
             } else if twice.insert(id) {
-                notes.add_at(Some(node.range().start), Element { id, own: true }, "this id stands more than once: the first counts");
+                notes.add_at(node.range().start, Element { id, own: true }, "this id stands more than once: the first counts");
             }
         }
-        Names { names, root: attribute(xml.root_element(), "id").map(str::to_owned) }
+        Names { names, places: places(xml.input_text(), &starts), root: attribute(xml.root_element(), "id").map(str::to_owned) }
     }
 
-    /// Gives the areas of a walked drawing these names.
-    pub(super) fn give(self, walked: Walked<'_>, limits: &Limits) -> Result<Scene> {
+    /// Gives the areas of a walked drawing these names. Also gives where the elements of the scene's names begin.
+    pub(super) fn give(self, walked: Walked<'_>, limits: &Limits) -> Result<(Scene, Vec<Place>)> {
         let Walked { mut scene, mut drawn, paints } = walked;
         if let Some(id) = &self.root {
             drawn.insert(id, Drawn { area: scene.art, paints: 0..paints.len(), more: Vec::new() });
@@ -67,8 +70,19 @@ impl Names {
             };
             scene.add_name(Named { id, kind, area, shapes, ink, depth });
         }
-        Ok(scene)
+        Ok((scene, self.places))
     }
+}
+
+/// The places of bytes of a text.
+fn places(text: &str, bytes: &[usize]) -> Vec<Place> {
+    // What an entity holds begins further up than what stands around it.
+    let mut order: Vec<u32> = (0..bytes.len() as u32).collect();
+    order.sort_by_key(|&i| bytes[i as usize]);
+    let mut known = Places::new(text.as_bytes());
+    let mut places = vec![Place { line: 0, column: 0 }; bytes.len()];
+    order.into_iter().for_each(|i| places[i as usize] = known.of_byte(bytes[i as usize]));
+    places
 }
 
 /// All the places where an element is drawn, as one area.

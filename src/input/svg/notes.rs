@@ -1,7 +1,8 @@
 //! What is drawn but not supported: one warning for an element and a reason.
 
-use std::collections::{HashMap, HashSet};
+use std::fmt::Display;
 
+use foldhash::HashSet;
 use usvg::roxmltree::{Document, Node};
 
 use super::style::Styles;
@@ -11,13 +12,16 @@ use crate::scene::quoted;
 
 /// Gathers warnings.
 pub(super) struct Notes {
-    /// Where the elements with ids begin, in bytes; of equal ids the first.
-    starts: HashMap<String, usize>,
-    /// Where the element begins that a note is about, if that is known.
-    notes: Vec<(Option<usize>, String)>,
-    given: HashSet<(String, String)>,
-    /// The places of bytes, in the text's order.
-    places: Vec<(usize, Place)>,
+    notes: Vec<(At, String)>,
+    given: HashSet<String>,
+}
+
+/// Where the element begins that a note is about.
+enum At {
+    Byte(usize),
+    Place(Place),
+    /// Where the first of this id does.
+    Id(String),
 }
 
 /// An element in a message: by its id, or by the nearest ancestor that has one.
@@ -47,42 +51,53 @@ pub(super) fn element<'a>(node: Node<'a, '_>) -> Element<'a> {
 impl Notes {
     /// Notes what `usvg` leaves out without a word, images above all.
     pub(super) fn read<'a>(xml: &'a Document<'_>, styles: &Styles<'a>) -> Notes {
-        let ids = xml.descendants().filter_map(|n| Some((attribute(n, "id")?, n.range().start)));
-        let mut starts = HashMap::new();
-        ids.for_each(|(id, start)| _ = starts.entry(id.to_owned()).or_insert(start));
-        let mut notes = Notes { starts, notes: Vec::new(), given: HashSet::new(), places: Vec::new() };
+        let mut notes = Notes { notes: Vec::new(), given: HashSet::default() };
         notes.look(xml, styles);
         notes
     }
 
     /// Warns, once for equal words.
-    pub(super) fn add(&mut self, element: Element<'_>, what: impl Into<String>) {
-        self.add_at(self.starts.get(element.id).copied(), element, what);
+    pub(super) fn add(&mut self, element: Element<'_>, what: impl Display) {
+        self.add_once(At::Id(element.id.to_owned()), format!("{}: {}", element.named(), what));
     }
 
     /// Warns of the element that begins at a byte, once for equal words.
-    pub(super) fn add_at(&mut self, start: Option<usize>, element: Element<'_>, what: impl Into<String>) {
-        let (element, what) = (element.named(), what.into());
-        if self.given.insert((element.clone(), what.clone())) {
-            self.notes.push((start, format!("{element}: {what}")));
+    pub(super) fn add_at(&mut self, start: usize, element: Element<'_>, what: impl Display) {
+        self.add_once(At::Byte(start), format!("{}: {}", element.named(), what));
+    }
+
+    fn add_once(&mut self, at: At, words: String) {
+        if self.given.insert(words.clone()) {
+            self.notes.push((at, words));
         }
     }
 
-    /// Finds the places of all elements with ids and of what is noted already: from here on the text is not needed.
+    /// Finds the places of what is noted so far: from here on the text is not needed.
     pub(super) fn find_places(&mut self, text: &str) {
-        let mut bytes: Vec<usize> = self.starts.values().copied().chain(self.notes.iter().filter_map(|note| note.0)).collect();
-        bytes.sort_unstable();
-        bytes.dedup();
+        let mut bytes: Vec<(usize, &mut At)> = Vec::new();
+        for (at, _) in &mut self.notes {
+            if let At::Byte(byte) = *at {
+                bytes.push((byte, at));
+            }
+        }
+        bytes.sort_unstable_by_key(|&(byte, _)| byte);
         let mut places = Places::new(text.as_bytes());
-        self.places = bytes.into_iter().map(|byte| (byte, places.of_byte(byte))).collect();
+        bytes.into_iter().for_each(|(byte, at)| *at = At::Place(places.of_byte(byte)));
     }
 
-    /// The warnings in the order of the document, those without a place behind the others.
-    pub(super) fn warnings(mut self) -> Vec<Warning> {
-        self.notes.sort_by_key(|(start, _)| start.unwrap_or(usize::MAX));
-        let place = |byte| self.places.binary_search_by_key(&byte, |place| place.0).ok().map(|i| self.places[i].1);
-        let warning = |(start, what): (Option<usize>, String)| Warning { place: start.and_then(place), ..Warning::input(what) };
-        self.notes.into_iter().map(warning).collect()
+    /// The warnings in the order of the document, those without a place behind the others. `first` tells where the first element of an id begins.
+    pub(super) fn warnings(self, first: impl Fn(&str) -> Option<Place>) -> Vec<Warning> {
+        let warning = |(at, what): (At, String)| {
+            let place = match at {
+                At::Byte(_) => None,
+                At::Place(place) => Some(place),
+                At::Id(id) => first(&id),
+            };
+            Warning { place, ..Warning::input(what) }
+        };
+        let mut warnings: Vec<Warning> = self.notes.into_iter().map(warning).collect();
+        warnings.sort_by_key(|warning| warning.place.map_or((true, 0, 0), |place| (false, place.line, place.column)));
+        warnings
     }
 
     fn look<'a>(&mut self, xml: &'a Document<'_>, styles: &Styles<'a>) {
@@ -105,7 +120,7 @@ impl Notes {
         let attributes = node.attributes().filter(|a| a.namespace().is_none());
         words.extend(attributes.filter_map(|a| unsupported::of_property(a.name(), a.value())));
         styles.declared(node, |name, value| words.extend(unsupported::of_declaration(name, value)));
-        words.into_iter().for_each(|what| self.add_at(Some(node.range().start), element(node), what));
+        words.into_iter().for_each(|what| self.add_at(node.range().start, element(node), what));
     }
 }
 

@@ -14,7 +14,7 @@ use crate::scene::quoted;
 /// Notes all of them.
 pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Missing<'_>, notes: &mut Notes) {
     for (node, id) in missing.iter().filter_map(|&(node, id)| Some((xml.get_node(node)?, id))) {
-        notes.add_at(Some(node.range().start), element(node), format!("{} is not in the document", quoted(&format!("#{id}"))));
+        notes.add_at(node.range().start, element(node), format!("{} is not in the document", quoted(&format!("#{id}"))));
     }
     for node in xml.root().children() {
         let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };
@@ -43,7 +43,7 @@ pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Mis
 /// Notes an address that is not read.
 pub(super) fn add(node: Node<'_, '_>, what: &str, address: &str, notes: &mut Notes) {
     let where_it_is = if address.starts_with("data:") { "a document of its own" } else { "outside the document" };
-    notes.add_at(Some(node.range().start), element(node), format!("{what}{} is {where_it_is} and not read", quoted(address)));
+    notes.add_at(node.range().start, element(node), format!("{what}{} is {where_it_is} and not read", quoted(address)));
 }
 
 /// What stands in the `url()` of a text, empty ones left out.

@@ -3,8 +3,7 @@
 //! `usvg` follows references and nesting by recursion and copies what they lead to. One walk over the graph of both, with an
 //! explicit stack, refuses circles, chains that are too deep, and documents that grow too large when everything is written out.
 
-use std::collections::HashMap;
-
+use foldhash::HashMap;
 use usvg::roxmltree::{Document, Node, NodeId};
 
 use super::style::Styles;
@@ -89,13 +88,13 @@ struct Graph<'a, 'i> {
 
 impl<'a, 'i> Graph<'a, 'i> {
     fn read(xml: &'a Document<'i>, styles: &Styles<'a>) -> Graph<'a, 'i> {
-        let mut ids: HashMap<&str, (NodeId, NodeId)> = HashMap::new();
+        let mut ids: HashMap<&str, (NodeId, NodeId)> = HashMap::default();
         for node in xml.descendants() {
             if let Some(id) = attribute(node, "id") {
                 ids.entry(id).or_insert((node.id(), node.id())).1 = node.id();
             }
         }
-        let mut graph = Graph { xml, own: HashMap::new(), missing: Vec::new(), setter: Vec::new() };
+        let mut graph = Graph { xml, own: HashMap::default(), missing: Vec::new(), setter: Vec::new() };
         for node in xml.descendants() {
             let mut setter = node.parent().map_or([None; INHERITED], |p| graph.setter[p.id().get_usize()]);
             let (mut own, missing) = (Vec::new(), &mut graph.missing);

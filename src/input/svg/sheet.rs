@@ -20,7 +20,7 @@ pub(super) fn note(xml: &Document<'_>, notes: &mut Notes) {
             let selector = selector.rsplit([';', '{']).next().unwrap_or_default().trim();
             if !selector.contains(['@', '[']) && selector.split(':').skip(1).any(|pseudo| !is_understood(pseudo)) {
                 let what = format!("the selector {} is not understood: its rule is not applied", quoted(selector));
-                notes.add_at(Some(node.range().start), element(node), what);
+                notes.add_at(node.range().start, element(node), what);
             }
         }
     }
@@ -39,7 +39,7 @@ fn note_rule(node: Node<'_, '_>, rule: &str, notes: &mut Notes) {
             urls(block).filter(|url| !url.starts_with("data:")).for_each(|url| outside::add(node, "the font ", url, notes));
         }
         within @ ("media" | "supports" | "layer" | "container") => {
-            notes.add_at(Some(node.range().start), element(node), format!("rules under @{within} are not applied"));
+            notes.add_at(node.range().start, element(node), format!("rules under @{within} are not applied"));
         }
         _ => {}
     }

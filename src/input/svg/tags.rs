@@ -18,15 +18,15 @@
 //! Rejected: writing `use` out as groups, which means doing again what `usvg` does with symbols, viewports, percentages and inherited
 //! paint, and costs a copy of the text for each use; and marks by clip paths, each of which `usvg` compares with each.
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use foldhash::{HashMap, HashSet};
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
 use super::edits::Edits;
-use super::notes::{Element, Notes};
 use super::outlines::{self, Outlines};
 use super::style::Styles;
+use super::viewport::Viewport;
 use super::{attribute, href, is_svg, transform};
 use crate::shape::Path;
 
@@ -53,6 +53,8 @@ pub(super) struct Tag {
     pub(super) stroke_opacity: f32,
     /// Its outline, if `usvg` is given a stand-in.
     pub(super) outline: Option<Arc<Path>>,
+    /// What it says of the coordinates of its content, if it is such an element.
+    pub(super) viewport: Option<Box<Viewport>>,
     /// For a part of a text the serial number of the part around it; 0 if there is none.
     outer: u32,
 }
@@ -89,8 +91,8 @@ struct Around {
     part: u32,
 }
 
-/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning, with a note.
-pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines, notes: &mut Notes) -> Option<(String, Tags)> {
+/// The document with tags and with stand-ins for outlines, as text, if it needs some. Ids that stand a second time lose their meaning.
+pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: &Outlines) -> Option<(String, Tags)> {
     let ids = Ids::read(xml);
     let root = xml.root_element();
     let has_markers = xml.descendants().any(|n| n.has_tag_name("marker"));
@@ -121,18 +123,14 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: 
         }
         let first = own.filter(|id| ids.of.get(id.value()).is_some_and(|found| found.first == node.id()));
         if let (Some(own), None) = (own, first) {
-            notes.add_at(
-                Some(node.range().start),
-                Element { id: own.value(), own: true },
-                "this id stands more than once: the first counts",
-            );
             text.rename(own);
         }
         let marker = node.parent().filter(|p| p.has_tag_name("marker")).and_then(id);
         let lost = own.is_some() != first.is_some()
             || first.is_some_and(|id| here.loses(name) || ids.of.get(id.value()).is_some_and(|found| found.twice));
         let outline = outlines.of(node);
-        if (!lost && marker.is_none() && outline.is_none()) || tags.0.len() == TAGS {
+        let viewport = Viewport::read(node, styles);
+        if (!lost && marker.is_none() && outline.is_none() && viewport.is_none()) || tags.0.len() == TAGS {
             continue;
         }
         let id_of = |attribute: Option<Attribute<'_, '_>>| attribute.map(|a| a.value().to_owned()).unwrap_or_default();
@@ -144,6 +142,7 @@ pub(super) fn rewrite<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, outlines: 
             opacity: 1.0,
             stroke_opacity: 1.0,
             outline: outline.map(|outline| outline.path.clone()),
+            viewport: viewport.map(Box::new),
             outer: here.part,
         };
         let serial = tags.0.len() as u32 + 1;
@@ -234,7 +233,7 @@ struct Found {
 
 impl<'a> Ids<'a> {
     fn read(xml: &'a Document<'_>) -> Ids<'a> {
-        let mut ids = Ids { of: HashMap::new(), used: HashSet::new() };
+        let mut ids = Ids { of: HashMap::default(), used: HashSet::default() };
         for node in xml.descendants().filter(Node::is_element) {
             if let Some(id) = attribute(node, "id").filter(|id| is_svg(node) && !id.is_empty()) {
                 ids.of.entry(id).and_modify(|found| found.twice = true).or_insert(Found { first: node.id(), twice: false });

@@ -47,7 +47,7 @@ fn function(name: &str, arguments: &[&str]) -> Option<[f64; 6]> {
 }
 
 /// A length in user units; what depends on a font or on a size is not known here.
-fn length(text: &str) -> Option<f64> {
+pub(super) fn length(text: &str) -> Option<f64> {
     let Length { number, unit } = text.parse().ok()?;
     let size = match unit {
         LengthUnit::None | LengthUnit::Px => 1.0,

@@ -1,17 +1,17 @@
 //! The resolved drawing, walked into shapes, areas and layers.
 //!
-//! `usvg` gives a tree of groups and paths: coordinates and matrices in 32-bit, which are kept as they are and multiplied in
-//! 64-bit on the way down. What clips or masks a group is an area too ([`super::cut`]): a [`Part`] of the drawing is where a shape is
+//! `usvg` gives a tree of groups and paths: coordinates and matrices in 32-bit, which are kept as they are, but for those that it multiplies itself
+//! ([`super::viewport`]), and multiplied in 64-bit on the way down. What clips or masks a group is an area too ([`super::cut`]): a [`Part`] of the drawing is where a shape is
 //! filled, together with the area that all groups around it are cut to.
 //!
 //! One loop with an explicit stack walks the drawing, the clip paths and the masks. What paints is kept in a [`Sink`], one for the
 //! drawing and one for each clip path or mask under way, which is walked before the group that it cuts. A stroke is a shape of its own beside
 //! the fill; text arrives as a group of the outlines of its glyphs.
 
-use std::collections::HashMap;
 use std::iter::Peekable;
 use std::sync::Arc;
 
+use foldhash::HashMap;
 use usvg::{BlendMode, Group, MaskType, Node, PaintOrder};
 
 use super::cut::{Cuts, Cutter, Key};
@@ -22,30 +22,39 @@ use super::notes::{Element, Notes};
 use super::parts::{Part, Sink, closed, joined};
 use super::tags::Tags;
 use super::text;
+use super::viewport::Viewport;
 use crate::error::{Error, Kind, Result};
 use crate::input::finite;
 use crate::scene::{Area, Layer, Limits, Picture, Scene};
 use crate::shape::{FillRule, Path, Shape, Transform};
 
-/// Walks a drawing.
-pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits, notes: &mut Notes) -> Result<Walked<'t>> {
-    let size = drawing.size();
-    let scene = Scene::new(f64::from(size.width()), f64::from(size.height()));
-    let walked = Walked { scene, drawn: HashMap::new(), paints: Vec::new() };
+/// Walks a drawing. `page` is the viewport of its root element.
+pub(super) fn walk<'t>(
+    drawing: &'t usvg::Tree,
+    page: Option<&'t Viewport>,
+    tags: &'t Tags,
+    limits: &Limits,
+    notes: &mut Notes,
+) -> Result<Walked<'t>> {
+    let size = [drawing.size().width(), drawing.size().height()].map(f64::from);
+    let [width, height] = page.map_or(size, |page| page.page(size));
+    let scene = Scene::new(width, height);
+    let walked = Walked { scene, drawn: HashMap::default(), paints: Vec::new() };
     let mut walk = Walk { walked, tags, limits, notes, sinks: vec![Sink::default()], cuts: Cuts::default(), verbs: 0 };
-    let root = Step::new(drawing.root(), IDENTITY, Element { id: "", own: false });
-    let mut way = vec![walk.enter(drawing.root(), &root)];
+    let root = drawing.root();
+    let outside = Step::new(root, IDENTITY, Element { id: "", own: false });
+    let mut way = vec![Step { page, ..walk.enter(root, matrix(root.transform()), &outside) }];
     while let Some(step) = way.last_mut() {
         match step.children.peek().copied() {
             Some(Node::Group(group)) => {
-                let transform = product(step.transform, matrix(group.transform()));
+                let transform = walk.transform(group, step);
                 if walk.opacity(group) == 0.0 {
                     step.children.next();
                 } else if let Some(cutter) = walk.cuts.missing(group, transform) {
                     let inner = walk.open(cutter, transform, group, step);
                     way.push(inner);
                 } else {
-                    let inner = walk.enter(group, step);
+                    let inner = walk.enter(group, transform, step);
                     step.children.next();
                     way.push(inner);
                 }
@@ -56,7 +65,8 @@ pub(super) fn walk<'t>(drawing: &'t usvg::Tree, tags: &'t Tags, limits: &Limits,
             }
             Some(Node::Text(text)) => {
                 text::note(text, drawing.fontdb(), element(text.id(), step.element), walk.notes);
-                let inner = walk.enter(text.flattened(), step);
+                let transform = walk.transform(text.flattened(), step);
+                let inner = walk.enter(text.flattened(), transform, step);
                 step.children.next();
                 way.push(inner);
             }
@@ -91,6 +101,10 @@ struct Step<'t> {
     ids: [&'t str; 3],
     element: Element<'t>,
     transform: [f64; 6],
+    /// The viewport of the page, if the next group is the one that `usvg` puts all into.
+    page: Option<&'t Viewport>,
+    /// The nearest `use` around.
+    user: Option<&'t Viewport>,
     cut: Option<Area>,
     /// Product of the opacities of this group and those around it, which counts in masks.
     opacity: f32,
@@ -113,6 +127,8 @@ impl<'t> Step<'t> {
             ids: [""; 3],
             element,
             transform,
+            page: None,
+            user: None,
             cut: None,
             opacity: 1.0,
             first_part: 0,
@@ -138,8 +154,15 @@ impl<'t> Walk<'t, '_, '_> {
         element(id.unwrap_or_default(), outer)
     }
 
-    /// A group whose clip path and mask are known.
-    fn enter(&mut self, group: &'t Group, outer: &Step<'t>) -> Step<'t> {
+    /// The full transform of a group.
+    fn transform(&self, group: &Group, outer: &Step<'t>) -> [f64; 6] {
+        let viewport = self.tags.of(group.opacity()).and_then(|tag| tag.viewport.as_deref()).or(outer.page);
+        let own = matrix(group.transform());
+        product(outer.transform, viewport.map_or(own, |viewport| viewport.refined(own, outer.user)))
+    }
+
+    /// A group whose clip path and mask are known, under its full transform.
+    fn enter(&mut self, group: &'t Group, transform: [f64; 6], outer: &Step<'t>) -> Step<'t> {
         let tag = self.tags.of(group.opacity());
         let [own, marker] = tag.map_or(["", ""], |tag| [if tag.first { &*tag.id } else { "" }, &*tag.marker]);
         let element = self.element(group, outer.element);
@@ -149,8 +172,8 @@ impl<'t> Walk<'t, '_, '_> {
             (!group.filters().is_empty(), "filters are not drawn yet"),
         ];
         reasons.iter().filter(|r| r.0).for_each(|r| self.notes.add(element, r.1));
-        let transform = product(outer.transform, matrix(group.transform()));
         Step {
+            user: tag.and_then(|tag| tag.viewport.as_ref()?.user()).or(outer.user),
             ids: [group.id(), if own == group.id() { "" } else { own }, marker],
             cut: self.cuts.of(group, transform, outer.cut, &mut self.walked.scene.formula),
             opacity: outer.opacity * self.opacity(group),
