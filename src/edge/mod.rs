@@ -121,7 +121,9 @@ impl Builder {
         self.leaves += other.leaves;
         self.outline.open |= other.outline.open;
         let within = self.seen <= self.limit;
-        if within {
+        if within && self.edges.is_empty() {
+            self.edges = other.edges;
+        } else if within {
             self.edges.append(other.edges);
         }
         within
