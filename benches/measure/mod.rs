@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use cpu_time::ThreadTime;
 use runset::encode;
 use runset::job::{Job, More, Options, Size};
-use runset::scene::Scene;
+use runset::scene::{Limits, Scene};
 
 /// Times of one thing, sorted once they are all there.
 #[derive(Clone, Debug, Default)]
@@ -93,7 +93,9 @@ pub struct Ours {
 impl Ours {
     /// A scene at `scale` pixels to a unit.
     pub fn new(scene: Scene, scale: f64) -> Ours {
-        let options = Options { size: Size::Scale(scale), ..Options::default() };
+        // One thread: what others do is not seen by this one's clock.
+        let limits = Limits { threads: 1, ..Limits::default() };
+        let options = Options { size: Size::Scale(scale), limits, ..Options::default() };
         let times = Times::default;
         Ours { scene, options, edges: times(), sweep: times(), whole: times(), packed: times(), picture: times(), runs: 0 }
     }

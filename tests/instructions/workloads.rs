@@ -13,7 +13,7 @@ use std::error::Error;
 
 use runset::encode::{self, Format};
 use runset::job::{Job, More, Options, Size};
-use runset::scene::{Layer, Picture, Scene};
+use runset::scene::{Layer, Limits, Picture, Scene};
 use runset::shape::{Path, Shape};
 
 #[allow(dead_code, reason = "other benches use the rest")]
@@ -33,7 +33,9 @@ fn main() -> Result<()> {
             "pbm" | "rls" => (layers()?, 0.5, encode::by_name(&name)),
             _ => return Err(format!("no workload \"{name}\"; there are {}", NAMES.join(", ")).into()),
         };
-        let options = Options { size: Size::Scale(scale), ..Options::default() };
+        // One thread: what others do is not seen by this one's clock.
+        let limits = Limits { threads: 1, ..Limits::default() };
+        let options = Options { size: Size::Scale(scale), limits, ..Options::default() };
         let mut made = 0;
         let mut scene = Some(scene);
         counted(&mut || made = scene.take().map_or(Ok(0), |scene| make(scene, &options, format)).unwrap_or(0));
