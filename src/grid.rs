@@ -23,13 +23,27 @@ pub const NEAR: f64 = (1 << 24) as f64;
 /// A point in pixels.
 pub type Point = [f64; 2];
 
+/// The number below 1/2: adding 1/2 itself to it would give 1.
+const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
+
 /// Rounds a coordinate in pixels, below 2^44 in size, to the nearest 1/256, ties away from zero; in 1/256 px.
 #[inline]
 pub fn steps(x: f64) -> i64 {
-    // The number below 1/2: adding 1/2 itself would round it up to 1.
-    const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
     let x = x * SUB as f64;
     (x + HALF.copysign(x)) as i64
+}
+
+/// [`steps`] of a coordinate below 2^22 in size, in 32 bits, so that many are rounded at once.
+#[inline]
+pub fn few_steps(x: f64) -> i32 {
+    let x = x * SUB as f64;
+    (x + HALF.copysign(x)) as i32
+}
+
+/// [`first_centre`] of such a number of steps.
+#[inline]
+pub fn first_centre_of_few(x: i32) -> i32 {
+    (x + SUB as i32 / 2 - 1) >> SUB.trailing_zeros()
 }
 
 /// Rounds a finite coordinate in pixels to the nearest 1/256, ties away from zero. The result is a multiple of 1/256, exactly
@@ -73,6 +87,10 @@ mod tests {
             let half = ((seed >> 40) as f64 - 8_000_000.0) / 512.0 * 2f64.powi((seed >> 33 & 15) as i32 - 8);
             for x in [half, half.next_up(), half.next_down()] {
                 assert_eq!(steps(x), (x * 256.0).round() as i64, "{x}");
+                if x.abs() <= (1 << 22) as f64 {
+                    assert_eq!(i64::from(few_steps(x)), steps(x), "{x}");
+                    assert_eq!(i64::from(first_centre_of_few(few_steps(x))), first_centre(steps(x)));
+                }
             }
         }
     }

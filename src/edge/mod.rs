@@ -137,11 +137,12 @@ impl Builder {
     fn add_part(&mut self, part: Part<'_>, leaf: Node, name: &str) -> Result<()> {
         let edges = &mut self.edges;
         let mut add = |first, chain: &mut dyn Iterator<Item = Edge>, winding| edges.add(first, chain, Side { leaf, winding });
-        if !part.points.as_flattened().iter().fold(true, |finite, v| finite & v.is_finite()) {
+        let close = outline::are_close(part.points);
+        if !close && !part.points.as_flattened().iter().all(|v| v.is_finite()) {
             let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
             return Err(Error::input(Kind::Refused, what));
         }
-        self.seen += self.outline.points(part.points, &mut add);
+        self.seen += self.outline.points(part.points, close, &mut add);
         if self.seen > self.limit {
             let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
             return Err(Error::input(Kind::Limit, what));

@@ -19,6 +19,14 @@ use crate::line::exact::{self, Piece};
 use crate::shape::flatten::PART;
 use crate::sweep::Edge;
 
+/// Points no further from the origin, in pixels, are rounded in 32 bits, many at once.
+const CLOSE: f64 = (1 << 22) as f64;
+
+/// Whether points are close enough to the origin to be rounded in 32 bits; they are finite then.
+pub(super) fn are_close(points: &[Point]) -> bool {
+    points.as_flattened().iter().fold(true, |close, v| close & (v.abs() <= CLOSE))
+}
+
 /// A point of a ring, and the first scanline that is not above it, on the page or behind its end.
 #[derive(Clone, Copy, Debug)]
 struct Vertex {
@@ -81,31 +89,42 @@ impl Outline {
         }
     }
 
-    /// Goes on with the ring, by at most [`PART`] points, all of them finite. Hands the chains that end to `add`: first row, edges, winding. Gives the number of edges.
-    pub(super) fn points(&mut self, points: &[Point], add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) -> u64 {
+    /// Goes on with the ring, by at most [`PART`] points, all of them finite, and if it is said [`are_close`]. Hands the chains that end to `add`: first row,
+    /// edges, winding. Gives the number of edges.
+    pub(super) fn points(&mut self, points: &[Point], close: bool, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) -> u64 {
         let Some(&first) = points.first() else { return 0 };
-        let rows = &mut self.rows;
-        if points.iter().fold(true, |near, p| near & (p[1].abs() <= grid::NEAR)) {
-            let height = i64::from(self.height);
-            rows.iter_mut().zip(points).for_each(|(row, p)| *row = grid::first_centre(grid::steps(p[1])).clamp(0, height) as u32);
+        if close {
+            let height = self.height as i32;
+            let row = |y: f64| grid::first_centre_of_few(grid::few_steps(y)).clamp(0, height) as u32;
+            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = row(p[1]));
         } else {
             let height = f64::from(self.height);
-            rows.iter_mut().zip(points).for_each(|(row, p)| *row = exact::row(grid::snap(p[1])).clamp(0.0, height) as u32);
+            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = exact::row(grid::snap(p[1])).clamp(0.0, height) as u32);
         }
-        let first = Vertex { point: first, row: rows[0] };
-        let [start, mut at] = self.ring.unwrap_or([first; 2]);
-        let mut seen = u64::from(at.point != first.point);
-        seen += points.windows(2).fold(0, |seen, pair| seen + u64::from(pair[0] != pair[1]));
+        let first = Vertex { point: first, row: self.rows[0] };
+        let [start, before] = self.ring.unwrap_or([first; 2]);
+        if before.row != first.row {
+            self.edge(before, first, add);
+        }
         // Most edges of fine outlines meet no scanline.
-        for (i, &point) in points.iter().enumerate() {
-            let row = self.rows[i];
-            if row != at.row {
-                self.edge(at, Vertex { point, row }, add);
+        let mut i = 1;
+        while i < points.len() {
+            let row = self.rows[i - 1];
+            if let Some(block) = self.rows[i..points.len()].first_chunk::<16>()
+                && block.iter().fold(true, |same, &other| same & (other == row))
+            {
+                i += 16;
+                continue;
             }
-            at = Vertex { point, row };
+            if self.rows[i] != row {
+                self.edge(Vertex { point: points[i - 1], row }, Vertex { point: points[i], row: self.rows[i] }, add);
+            }
+            i += 1;
         }
-        self.ring = Some([start, at]);
-        seen
+        let last = Vertex { point: points[points.len() - 1], row: self.rows[points.len() - 1] };
+        self.ring = Some([start, last]);
+        let differ = |a: &Point, b: &Point| u64::from((a[0] != b[0]) | (a[1] != b[1]));
+        differ(&before.point, &first.point) + points.iter().zip(&points[1..]).fold(0, |seen, (a, b)| seen + differ(a, b))
     }
 
     /// Closes the ring. Where it began no chain is cut: the last goes on with the first. Gives the number of edges that this adds.

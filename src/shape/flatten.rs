@@ -143,10 +143,14 @@ struct Pieces<'p> {
 impl<'p> Pieces<'p> {
     /// The next verb or, as long outlines are mostly lines, run of lines, with its points.
     fn take(&mut self, verb: Verb) -> &'p [Point] {
-        let lines = || self.verbs.iter().position(|&v| v != Verb::Line).unwrap_or(self.verbs.len());
         let (verbs, points) = match verb {
             Verb::Move => (1, 1),
-            Verb::Line => (lines(), lines()),
+            Verb::Line => {
+                let all = |verbs: &&[Verb]| verbs.iter().fold(true, |all, &verb| all & (verb == Verb::Line));
+                let blocks = 64 * self.verbs.chunks_exact(64).take_while(all).count();
+                let lines = blocks + self.verbs[blocks..].iter().take_while(|&&verb| verb == Verb::Line).count();
+                (lines, lines)
+            }
             Verb::Quad => (1, 2),
             Verb::Cubic => (1, 3),
             Verb::Close => (1, 0),
