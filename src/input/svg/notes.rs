@@ -120,10 +120,7 @@ impl Notes {
         }
         let mut words: Vec<String> = unsupported::of_element(node).into_iter().collect();
         let attributes = node.attributes().filter(|a| a.namespace().is_none());
-        for attribute in attributes {
-            let (name, value) = (attribute.name(), attribute.value());
-            words.extend(unsupported::of_property(name, value).or_else(|| unsupported::of_length(node, name, value)));
-        }
+        words.extend(attributes.filter_map(|a| unsupported::of_attribute(node, a.name(), a.value())));
         styles.declared(node, |name, value| words.extend(unsupported::of_declaration(name, value)));
         words.into_iter().for_each(|what| self.add_at(node.range().start, element(node), what));
     }

@@ -62,8 +62,8 @@ pub(super) fn of_element(node: Node<'_, '_>) -> Option<String> {
     }
 }
 
-/// An attribute that is a length, but not one that is understood; an element that needs it is left out.
-pub(super) fn of_length(node: Node<'_, '_>, name: &str, value: &str) -> Option<String> {
+/// What an attribute of an element asks for.
+pub(super) fn of_attribute(node: Node<'_, '_>, name: &str, value: &str) -> Option<String> {
     let is_length = match node.tag_name().name() {
         "rect" => matches!(name, "x" | "y" | "width" | "height" | "rx" | "ry"),
         "svg" | "use" | "image" => matches!(name, "x" | "y" | "width" | "height"),
@@ -72,9 +72,13 @@ pub(super) fn of_length(node: Node<'_, '_>, name: &str, value: &str) -> Option<S
         "line" => matches!(name, "x1" | "y1" | "x2" | "y2"),
         _ => false,
     };
-    let written_out = !value.contains("var(") && !value.contains("calc(");
-    (is_length && written_out && value.trim() != "auto" && value.trim().parse::<Length>().is_err())
-        .then(|| format!("{name}: {} is not understood: left out", quoted(value.trim())))
+    let value = value.trim();
+    match is_length {
+        // An element that needs it is left out.
+        true if value == "auto" || value.parse::<Length>().is_ok() => None,
+        true => of_property(name, value).or_else(|| Some(format!("{name}: {} is not understood: left out", quoted(value)))),
+        false => of_property(name, value),
+    }
 }
 
 /// What a property asks for, whether an attribute or a declaration sets it.
@@ -92,7 +96,8 @@ pub(super) fn of_property(name: &str, value: &str) -> Option<String> {
             Some(format!("the transform {} is not understood: left out", quoted(value)))
         }
         "d" | "points" | "style" | "class" | "id" | "href" => None,
-        "fill" | "stroke" | "color" if other(value) && !value.contains("var(") && !is_colour(name, value) => {
+        "fill" | "stroke" | "color" if is_colour(name, value) => None,
+        "fill" | "stroke" | "color" if other(value) && !value.contains("var(") => {
             Some(format!("{name}: the colour {} is not understood: left out", quoted(value)))
         }
         _ if value.contains("var(") || value.contains("calc(") => {
