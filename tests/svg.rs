@@ -414,6 +414,30 @@ fn what_is_not_drawn_is_warned_about_once_with_its_id() {
                 <linearGradient id="l" href="#m"/><script href="a.js"/><path d="M0 0h9v9" mask="url(#m) "/>"##,
             &[],
         ),
+        (
+            r##"<meshgradient id="m"><meshrow/></meshgradient><clipPath id="c"/><g id="g" fill="url(#m)" mask="url(#c)" stroke="url(#c)"/>
+                <flowRoot id="f"><flowPara>text</flowPara></flowRoot><text id="t"><tref/></text><x:any xmlns:x="urn:x"/>"##,
+            &[
+                "\"m\": <meshgradient> is not drawn",
+                "\"g\": fill: \"#m\" is a <meshgradient>, which is not drawn there",
+                "\"g\": mask: \"#c\" is a <clipPath>, which is not drawn there",
+                "\"g\": stroke: \"#c\" is a <clipPath>, which is not drawn there",
+                "\"f\": <flowRoot> is not drawn",
+                "an element in \"t\": <tref> is not drawn",
+            ],
+        ),
+        (
+            r##"<style>.a{fill:oklch(50% .2 9)}</style><rect id="r" class="a" width="2vw" height="5" rx="auto" fill="inherit" stroke="device-cmyk(0,1,1,0)"/>
+                <circle id="c" cx="1e1" cy=" 5 " r="1rem" fill=" red " stroke="currentColor" color="#abc" style="fill:context-fill"/>
+                <text id="t" x="1 2" fill="#f00 icc-color(a,1)">ab</text>"##,
+            &[
+                "\"r\": width: \"2vw\" is not understood: left out",
+                "\"r\": stroke: the colour \"device-cmyk(0,1,1,0)\" is not understood: left out",
+                "\"r\": fill: the colour \"oklch(50% .2 9)\" is not understood: left out",
+                "\"c\": r: \"1rem\" is not understood: left out",
+                "\"t\": fill: the colour \"#f00 icc-color(a,1)\" is not understood: left out",
+            ],
+        ),
         (r#"<foreignObject id="f" width="5" height="5"/>"#, &["\"f\": <foreignObject> is not drawn"]),
         (
             r#"<g id="g" opacity="0.5"><rect width="5" height="5" fill-opacity=".5"/></g>"#,

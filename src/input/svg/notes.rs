@@ -108,6 +108,8 @@ impl Notes {
             drawn.push(attribute(node, "id").is_some_and(|id| used.contains(id)) || (parent && is_drawn(node)));
             if drawn[node.id().get_usize()] {
                 self.see(node, styles);
+                // What it holds is not drawn either, and goes without saying.
+                drawn[node.id().get_usize()] = !is_svg(node) || unsupported::is_known(node);
             }
         }
     }
@@ -118,7 +120,7 @@ impl Notes {
         }
         let mut words: Vec<String> = unsupported::of_element(node).into_iter().collect();
         let attributes = node.attributes().filter(|a| a.namespace().is_none());
-        words.extend(attributes.filter_map(|a| unsupported::of_property(a.name(), a.value())));
+        words.extend(attributes.filter_map(|a| unsupported::of_attribute(node, a.name(), a.value())));
         styles.declared(node, |name, value| words.extend(unsupported::of_declaration(name, value)));
         words.into_iter().for_each(|what| self.add_at(node.range().start, element(node), what));
     }

@@ -12,9 +12,9 @@ use super::{href, is_svg};
 use crate::scene::quoted;
 
 /// Notes all of them.
-pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Missing<'_>, notes: &mut Notes) {
-    for (node, id) in missing.iter().filter_map(|&(node, id)| Some((xml.get_node(node)?, id))) {
-        notes.add_at(node.range().start, element(node), format!("{} is not in the document", quoted(&format!("#{id}"))));
+pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Missing, notes: &mut Notes) {
+    for (node, words) in missing.iter().filter_map(|(node, words)| Some((xml.get_node(*node)?, words))) {
+        notes.add_at(node.range().start, element(node), words);
     }
     for node in xml.root().children() {
         let Some(pi) = node.pi().filter(|pi| pi.target == "xml-stylesheet") else { continue };

@@ -28,11 +28,11 @@ const MARKERS: std::ops::Range<usize> = 2..5;
 /// Stands for `href` beside the numbers of [`PROPERTIES`].
 const HREF: usize = PROPERTIES.len();
 
-/// Elements, each with an id that it refers to and that is not there.
-pub(super) type Missing<'a> = Vec<(NodeId, &'a str)>;
+/// Elements, each with words for a reference of it that leads to nothing, or to what it cannot use.
+pub(super) type Missing = Vec<(NodeId, String)>;
 
 /// Refuses what must not be followed. Gives the style sheets, and the references that lead nowhere.
-pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<(Styles<'a>, Missing<'a>)> {
+pub(super) fn check<'a>(xml: &'a Document<'_>, limits: &Limits) -> Result<(Styles<'a>, Missing)> {
     let (elements, depth) = measure(xml)?;
     let styles = Styles::read(xml, elements, u64::from(depth))?;
     let graph = Graph::read(xml, &styles);
@@ -81,7 +81,7 @@ struct Graph<'a, 'i> {
     xml: &'a Document<'i>,
     /// The references that stand on an element itself, for those that have some.
     own: HashMap<NodeId, Vec<Reference>>,
-    missing: Missing<'a>,
+    missing: Missing,
     /// For every node and inherited property: the nearest of it and its ancestors that sets it.
     setter: Vec<[Option<NodeId>; INHERITED]>,
 }
@@ -111,12 +111,14 @@ impl<'a, 'i> Graph<'a, 'i> {
                         own.extend(urls(value).flat_map(targets).map(|to| Reference { property, to }));
                     }
                     // What stands behind a reference is drawn where it fails.
-                    if (PROPERTIES.contains(&name) || name == "marker") && value.trim_end().ends_with(')') {
-                        missing.extend(urls(value).filter(|id| !ids.contains_key(id)).map(|id| (node.id(), id)));
+                    let fails = |id: &&str| !ids.contains_key(id) && value.trim_end().ends_with(')');
+                    if PROPERTIES.contains(&name) || name == "marker" {
+                        missing.extend(urls(value).filter(fails).map(|id| (node.id(), not_there(id))));
+                        missing.extend(urls(value).filter_map(|id| Some((node.id(), unfit(xml, name, id, targets(id))?))));
                     }
                 });
                 let id = href(node).and_then(|h| h.trim().strip_prefix('#')).filter(|_| node.tag_name().name() != "a");
-                missing.extend(id.filter(|id| !ids.contains_key(id)).map(|id| (node.id(), id)));
+                missing.extend(id.filter(|id| !ids.contains_key(id)).map(|id| (node.id(), not_there(id))));
                 if matches!(node.tag_name().name(), "use" | "pattern" | "feImage") {
                     let id = href(node).and_then(|h| h.trim().strip_prefix('#'));
                     own.extend(id.into_iter().flat_map(targets).map(|to| Reference { property: HREF, to }));
@@ -210,6 +212,23 @@ impl<'a, 'i> Graph<'a, 'i> {
         }
         Ok(())
     }
+}
+
+fn not_there(id: &str) -> String {
+    format!("{} is not in the document", quoted(&format!("#{id}")))
+}
+
+/// What is wrong with what a property refers to, if none of it is of a kind that the property can use.
+fn unfit(xml: &Document<'_>, property: &str, id: &str, targets: impl Iterator<Item = NodeId>) -> Option<String> {
+    let fits = |tag: &str| match property {
+        "fill" | "stroke" => matches!(tag, "linearGradient" | "radialGradient" | "pattern"),
+        "clip-path" => tag == "clipPath",
+        "mask" | "filter" => tag == property,
+        _ => tag == "marker",
+    };
+    let mut tags = targets.filter_map(|to| xml.get_node(to)).map(|to| to.tag_name().name()).peekable();
+    let first = *tags.peek()?;
+    (!tags.any(fits)).then(|| format!("{property}: {} is a <{first}>, which is not drawn there", quoted(&format!("#{id}"))))
 }
 
 /// From an element to one that it holds or refers to.
