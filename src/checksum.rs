@@ -14,7 +14,7 @@
 //! n equal rows    : n times that, or for many R·X^n + row·(1 + X + … + X^(n-1)), both factors by doubling
 //! ```
 //!
-//! Cost: two look-ups a run (with several inks also a multiplication by a byte) and four a line, at most as many as [`STEPPED`] lines
+//! Cost: two look-ups a run (with several inks also a multiplication by a byte) and four a line, at most as many as `STEPPED` lines
 //! take a record, or some 100 steps for each doubling; the page is never expanded. The table of tails takes four bytes a pixel of the
 //! width, rounded up to a power of two, and is shared by all rasters of the process.
 //!

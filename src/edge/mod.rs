@@ -1,4 +1,4 @@
-//! From shapes to edges: flattened, rounded to the grid, cut to the page, gathered into chains ([`outline`]).
+//! From shapes to edges: flattened, rounded to the grid, cut to the page, gathered into chains (`outline`).
 
 mod outline;
 

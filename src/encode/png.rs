@@ -9,10 +9,10 @@
 //!
 //! `k` rows, some 256 KiB, are a segment: those from one multiple of `k` on the page to the next. Its first row is not filtered (type
 //! 0), all others are differences to the row above (type 2, Up). It is one block of deflate that refers to nothing before it
-//! ([`super::deflate`]) and one chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, threads
+//! (`deflate.rs`) and one chunk. So the bytes of a segment depend on its rows alone: a writer can start at any of them, threads
 //! write different ones, a segment of equal rows is compressed once, and the checksum is combined from those of the segments.
 //!
-//! Cost: of most rows what changes is painted, filtered and compressed ([`super::changes`]), whatever their width; of the first of a segment all. A
+//! Cost: of most rows what changes is painted, filtered and compressed (`changes.rs`), whatever their width; of the first of a segment all. A
 //! symbol for each 258 bytes of a repeat; a copy of the compressed bytes for a segment that repeats.
 //!
 //! Source: PNG Specification (Third Edition), RFC 1950.

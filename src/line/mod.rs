@@ -121,7 +121,7 @@ impl Line {
         Line { at: self.at.wrapping_add(self.step.wrapping_mul(rows.into())), ..self }
     }
 
-    /// Position and step, for those who keep many lines in arrays: a step adds one to the other, modulo 2^64; [`column`] reads the position.
+    /// Position and step, for those who keep many lines in arrays: a step adds one to the other, modulo 2^64; [`column()`] reads the position.
     #[inline]
     pub fn parts(self) -> (u64, u64) {
         (self.at, self.step)

@@ -1,10 +1,10 @@
 //! From active edges to runs.
 //!
-//! The boundaries between inks are kept as indices into the active list ([`walk`]). As long as no edge enters or leaves and neither the order of the edges nor
+//! The boundaries between inks are kept as indices into the active list (`walk`). As long as no edge enters or leaves and neither the order of the edges nor
 //! their ties change, the same boundaries hold on the next scanline and nothing is counted; only their columns are read ("CSG" in ARCHITECTURE.md, section 2.2.3). So
 //! the number of scanlines that are counted follows the drawing and not the resolution.
 //!
-//! Where order is lost from line to line the rows are made without it ([`tangle`]). That is measured as the sweep goes, on the lines themselves, so that it
+//! Where order is lost from line to line the rows are made without it (`tangle`). That is measured as the sweep goes, on the lines themselves, so that it
 //! depends on nothing but the picture and the first line.
 
 mod state;

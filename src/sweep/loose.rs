@@ -57,7 +57,7 @@ impl<T: Copy> Sweep<T> {
         (1..slots.len()).any(|slot| order(slot - 1) == Some(true))
     }
 
-    /// Positions of the edges of a loose sweep, by slot; [`line::column`] reads them. Those that are not active any more are in the column behind the page.
+    /// Positions of the edges of a loose sweep, by slot; [`crate::line::column()`] reads them. Those that are not active any more are in the column behind the page.
     pub fn positions(&self) -> &[u64] {
         &self.slots.at
     }
