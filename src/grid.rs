@@ -87,7 +87,7 @@ mod tests {
             let half = ((seed >> 40) as f64 - 8_000_000.0) / 512.0 * 2f64.powi((seed >> 33 & 15) as i32 - 8);
             for x in [half, half.next_up(), half.next_down()] {
                 assert_eq!(steps(x), (x * 256.0).round() as i64, "{x}");
-                if x.abs() <= (1 << 22) as f64 {
+                if x.abs() <= f64::from(1 << 22) {
                     assert_eq!(i64::from(few_steps(x)), steps(x), "{x}");
                     assert_eq!(i64::from(first_centre_of_few(few_steps(x))), first_centre(steps(x)));
                 }
