@@ -33,17 +33,21 @@ pub fn steps(x: f64) -> i64 {
     (x + HALF.copysign(x)) as i64
 }
 
-/// [`steps`] of a coordinate below 2^22 in size, in 32 bits, so that many are rounded at once.
+/// The first scanline whose centre is not above `y`, in pixels, once that is rounded to 1/256; within `0..=height`. `y` is at most 2^22 in size.
+///
+/// Rounded, `y` is above the centre of scanline r, `r + 1/2`, from `r + 1/2 + 1/512` on, so the scanline is `floor(y - 257/512) + 1`; of numbers of that size
+/// the difference is exact where it is not negative. It is done in doubles throughout, so that many are worked out at once.
 #[inline]
-pub fn few_steps(x: f64) -> i32 {
-    let x = x * SUB as f64;
-    (x + HALF.copysign(x)) as i32
-}
-
-/// [`first_centre`] of such a number of steps.
-#[inline]
-pub fn first_centre_of_few(x: i32) -> i32 {
-    (x + SUB as i32 / 2 - 1) >> SUB.trailing_zeros()
+pub fn first_row(y: f64, height: f64) -> u32 {
+    const PAST: f64 = 0.5 + 1.0 / 512.0;
+    // Pushes the fraction out of a double.
+    const PUSH: f64 = (3_u64 << 51) as f64;
+    let y = y - PAST;
+    let near = (y + PUSH) - PUSH;
+    let row = if near > y { near } else { near + 1.0 };
+    let row = if row > 0.0 { row } else { 0.0 };
+    let row = if row < height { row } else { height };
+    (row + PUSH).to_bits() as u32
 }
 
 /// Rounds a finite coordinate in pixels to the nearest 1/256, ties away from zero. The result is a multiple of 1/256, exactly
@@ -88,8 +92,10 @@ mod tests {
             for x in [half, half.next_up(), half.next_down()] {
                 assert_eq!(steps(x), (x * 256.0).round() as i64, "{x}");
                 if x.abs() <= f64::from(1 << 22) {
-                    assert_eq!(i64::from(few_steps(x)), steps(x), "{x}");
-                    assert_eq!(i64::from(first_centre_of_few(few_steps(x))), first_centre(steps(x)));
+                    for height in [1, 1000, 1 << 23] {
+                        let row = first_centre(steps(x)).clamp(0, height);
+                        assert_eq!(i64::from(first_row(x, height as f64)), row, "{x}");
+                    }
                 }
             }
         }

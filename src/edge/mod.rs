@@ -2,13 +2,13 @@
 
 mod outline;
 
-use self::outline::Outline;
+use self::outline::{Outline, Stretch};
 use crate::count::Node;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{self, Point};
 use crate::shape::flatten::{Flattening, Part};
 use crate::shape::{Shape, Transform, Verb};
-use crate::sweep::{Edge, Edges};
+use crate::sweep::Edges;
 
 /// What an edge does to the winding of its shape when it is crossed from left to right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,7 +136,8 @@ impl Builder {
 
     fn add_part(&mut self, part: Part<'_>, leaf: Node, name: &str) -> Result<()> {
         let edges = &mut self.edges;
-        let mut add = |first, chain: &mut dyn Iterator<Item = Edge>, winding| edges.add(first, chain, Side { leaf, winding });
+        let mut add =
+            |chain: &[Stretch], winding| edges.add(chain[0].first, chain.iter().map(|stretch| stretch.edge), Side { leaf, winding });
         let close = outline::are_close(part.points);
         if !close && !part.points.as_flattened().iter().all(|v| v.is_finite()) {
             let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");

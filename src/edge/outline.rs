@@ -19,10 +19,10 @@ use crate::line::exact::{self, Piece};
 use crate::shape::flatten::PART;
 use crate::sweep::Edge;
 
-/// Points no further from the origin, in pixels, are rounded in 32 bits, many at once.
+/// Points no further from the origin, in pixels, find their scanlines many at once.
 const CLOSE: f64 = (1 << 22) as f64;
 
-/// Whether points are close enough to the origin to be rounded in 32 bits; they are finite then.
+/// Whether points are so close to the origin; they are finite then.
 pub(super) fn are_close(points: &[Point]) -> bool {
     points.as_flattened().iter().fold(true, |close, v| close & (v.abs() <= CLOSE))
 }
@@ -36,9 +36,9 @@ struct Vertex {
 
 /// An edge with its first scanline.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
-    first: u32,
-    edge: Edge,
+pub(super) struct Stretch {
+    pub(super) first: u32,
+    pub(super) edge: Edge,
 }
 
 /// Edges that follow each other in the order of the ring.
@@ -89,14 +89,13 @@ impl Outline {
         }
     }
 
-    /// Goes on with the ring, by at most [`PART`] points, all of them finite, and if it is said [`are_close`]. Hands the chains that end to `add`: first row,
-    /// edges, winding. Gives the number of edges.
-    pub(super) fn points(&mut self, points: &[Point], close: bool, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) -> u64 {
+    /// Goes on with the ring, by at most [`PART`] points, all of them finite, and if it is said [`are_close`]. Hands the chains that end to `add`: edges from the top
+    /// down, and what they add to the winding. Gives the number of edges.
+    pub(super) fn points(&mut self, points: &[Point], close: bool, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
         let Some(&first) = points.first() else { return 0 };
         if close {
-            let height = self.height as i32;
-            let row = |y: f64| grid::first_centre_of_few(grid::few_steps(y)).clamp(0, height) as u32;
-            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = row(p[1]));
+            let height = f64::from(self.height);
+            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = grid::first_row(p[1], height));
         } else {
             let height = f64::from(self.height);
             self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = exact::row(grid::snap(p[1])).clamp(0.0, height) as u32);
@@ -128,7 +127,7 @@ impl Outline {
     }
 
     /// Closes the ring. Where it began no chain is cut: the last goes on with the first. Gives the number of edges that this adds.
-    pub(super) fn end(&mut self, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) -> u64 {
+    pub(super) fn end(&mut self, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
         let Some([start, at]) = self.ring.take() else { return 0 };
         if start.row != at.row {
             self.edge(at, start, add);
@@ -146,7 +145,7 @@ impl Outline {
     }
 
     /// Adds an edge that meets scanlines.
-    fn edge(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) {
+    fn edge(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(&[Stretch], i32)) {
         let downwards = from.row < to.row;
         let (top, bottom) = if downwards { (from, to) } else { (to, from) };
         // Left of all pixel centres, right of all, or perhaps one straight line.
@@ -192,7 +191,7 @@ impl Outline {
 }
 
 /// Hands a chain on and empties it.
-fn hand_on(chain: &mut Chain, add: &mut impl FnMut(u32, &mut dyn Iterator<Item = Edge>, i32)) {
+fn hand_on(chain: &mut Chain, add: &mut impl FnMut(&[Stretch], i32)) {
     let Chain { stretches, downwards } = chain;
     if !*downwards {
         stretches.reverse();
@@ -205,8 +204,8 @@ fn hand_on(chain: &mut Chain, add: &mut impl FnMut(u32, &mut dyn Iterator<Item =
         }
         same
     });
-    if let Some(&Stretch { first, .. }) = stretches.first() {
-        let winding = if *downwards { 1 } else { -1 };
-        add(first, &mut stretches.drain(..).map(|stretch| stretch.edge), winding);
+    if !stretches.is_empty() {
+        add(stretches, if *downwards { 1 } else { -1 });
+        stretches.clear();
     }
 }
