@@ -20,8 +20,19 @@ pub struct Format {
     pub about: &'static str,
     /// Whether its bytes are unfit for a terminal.
     pub binary: bool,
+    /// Raised when the bytes for the same picture change: a stream is not taken up again with another version's bytes.
+    pub version: u32,
     /// Makes a writer for one raster.
     pub encoder: fn(&Header) -> Box<dyn Encode>,
+}
+
+/// Where a writer can go on: what another writer of the same raster needs, so that its bytes follow those written so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Restart {
+    /// The line on the page from which it needs the lines; the one behind the raster's last if it needs none.
+    pub line: u32,
+    /// What is known of the lines before: sums that only the format understands, all 0 before the first line.
+    pub tally: [u64; 3],
 }
 
 /// A writer of one raster: `begin`, then `lines` from top to bottom covering every line once, then `end`.
@@ -31,6 +42,14 @@ pub struct Format {
 ///
 /// Threads share the work: each has a writer of its own for [`Encode::part`]; the raster's own writer takes what they made, in order, by
 /// [`Encode::join`], and by [`Encode::lines`] the lines that no part holds.
+///
+/// A raster can be taken up again: a new writer that is given [`Encode::resume`] in place of `begin` needs the lines from
+/// [`Restart::line`] on, and writes the bytes behind those that were written when [`Encode::restart`] was asked.
+///
+/// ```text
+///   lines     | - - - - - - = = =      written: the bytes of - ; kept: = , an open record or segment
+///   restart                 ^          the first line of it, and the tally of those before
+/// ```
 pub trait Encode: Send {
     /// About how many bytes each further of some equal lines adds to `out`. The caller splits a large [`Lines::n`] by it, so
     /// that `out` stays small; 0: there is nothing to split, whatever their number.
@@ -48,6 +67,20 @@ pub trait Encode: Send {
     fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part;
     /// Takes note that the bytes of `part` follow, which is not empty, and writes what has to stand before them.
     fn join(&mut self, part: &Part, out: &mut Vec<u8>);
+    /// Bytes of the whole raster, where its header alone fixes them.
+    fn length(&self) -> Option<u64> {
+        None
+    }
+    /// Where another writer can go on. All bytes that were written up to now are before that place: behind `begin` it is the raster's
+    /// first line. Not to be asked behind `end`.
+    fn restart(&self) -> Restart;
+    /// Takes up a raster in place of `begin`, in a writer that is new. Sums that no writer gave make wrong bytes.
+    fn resume(&mut self, restart: &Restart);
+    /// The last place at or before byte `offset` of the raster where a writer can go on, as its own offset and what it needs, in formats
+    /// of which [`Encode::length`] is known. None within what stands before the first line.
+    fn seek(&self, _offset: u64) -> Option<(u64, Restart)> {
+        None
+    }
 }
 
 mod changes;

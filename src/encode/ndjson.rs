@@ -21,6 +21,7 @@ pub const FORMAT: Format = Format {
     media_type: "application/x-ndjson",
     about: "line stream: runs as JSON, a record of equal lines a line",
     binary: false,
+    version: 1,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -12,10 +12,11 @@ pub const FORMAT: Format = Format {
     media_type: "image/x-portable-bitmap",
     about: "portable bitmap (P4), 1 bit a pixel: 1 where anything is painted",
     binary: true,
+    version: 1,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P4\n{} {}\n", header.width, header.height());
-    rows::plain(head, (header.width, 1), 0, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
+    rows::plain(head, header, 1, 0, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
 }

@@ -12,13 +12,14 @@ pub const FORMAT: Format = Format {
     media_type: "image/x-portable-graymap",
     about: "portable graymap (P5), 8 bits a pixel: luma of the inks on white",
     binary: true,
+    version: 1,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P5\n{} {}\n255\n", header.width, header.height());
     let lumas: Vec<u8> = [WHITE].iter().chain(&header.inks).map(luma).collect();
-    rows::plain(head, (header.width, 8), 255, move |runs, row| rows::packed(row, 8, runs, |ink| lumas[ink as usize]))
+    rows::plain(head, header, 8, 255, move |runs, row| rows::packed(row, 8, runs, |ink| lumas[ink as usize]))
 }
 
 /// Luma of Rec. 709, taken on the 8-bit values and rounded.

@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use super::changes::Shown;
 use super::deflate::{self, Block};
-use super::{Encode, Format, Part, Strip, rows};
+use super::{Encode, Format, Part, Restart, Strip, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run, WHITE};
 
 /// The format.
@@ -33,6 +33,7 @@ pub const FORMAT: Format = Format {
     media_type: "image/png",
     about: "PNG: 1 bit for black alone, a palette up to 255 inks, else RGB",
     binary: true,
+    version: 1,
     encoder: |header| Box::new(Png::new(header)),
 };
 
@@ -67,6 +68,8 @@ struct Png {
     /// What a filter made of some bytes.
     filtered: Vec<u8>,
     idat: Idat,
+    /// Where the segment began, or will.
+    restart: Restart,
     /// The last segment that was one row repeated: the row, its chunks, its checksum.
     repeated: Option<(Vec<Run>, Vec<u8>, Adler)>,
 }
@@ -96,6 +99,7 @@ impl Png {
             stretches: Vec::new(),
             filtered: Vec::new(),
             idat: Idat::new(),
+            restart: Restart { line: header.lines.start, tally: [0; 3] },
             repeated: None,
         }
     }
@@ -156,17 +160,17 @@ impl Encode for Png {
         };
         out.extend_from_slice(b"\x89PNG\r\n\x1a\n");
         let [width, height] = [*width, self.header.height()].map(u32::to_be_bytes);
-        chunk(out, b"IHDR", &[&width[..], &height, &[depth, colour, 0, 0, 0]].concat());
+        chunk(out, b"IHDR", |out| out.extend([&width[..], &height, &[depth, colour, 0, 0, 0]].concat()));
         if let Some(per_metre) = dpi.map(|dpi| (dpi / 0.0254).round()).filter(|p| (1.0..=f64::from(i32::MAX)).contains(p)) {
             let per_metre = (per_metre as u32).to_be_bytes();
-            chunk(out, b"pHYs", &[&per_metre[..], &per_metre, &[1]].concat());
+            chunk(out, b"pHYs", |out| out.extend([&per_metre[..], &per_metre, &[1]].concat()));
         }
         if let Colour::Palette { .. } = self.colour {
             let palette: Vec<Rgb> = [WHITE].iter().chain(inks).copied().collect();
-            chunk(out, b"PLTE", palette.as_flattened());
+            chunk(out, b"PLTE", |out| out.extend(palette.as_flattened()));
         }
         // Zlib header: deflate with a window of 32 KiB, fast, no dictionary.
-        chunk(out, b"IDAT", &[0x78, 0x5e]);
+        chunk(out, b"IDAT", |out| out.extend([0x78, 0x5e]));
     }
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
@@ -188,6 +192,9 @@ impl Encode for Png {
                 self.idat.adler.append(segment);
                 self.repeated = Some((self.shown.runs().to_vec(), out[start..].to_vec(), segment));
             }
+            if last {
+                self.restart = Restart { line: y, tally: self.idat.adler.tally() };
+            }
         }
         for stretch in &self.stretches {
             self.above[stretch.clone()].copy_from_slice(&self.row[stretch.clone()]);
@@ -196,7 +203,7 @@ impl Encode for Png {
 
     fn end(&mut self, out: &mut Vec<u8>) {
         self.idat.end(self.open, out);
-        chunk(out, b"IEND", &[]);
+        chunk(out, b"IEND", |_| ());
     }
 
     fn strip_lines(&self) -> u32 {
@@ -212,27 +219,34 @@ impl Encode for Png {
         }
         self.idat.adler = Adler::default();
         strip.within(start..end).for_each(|lines| self.lines(lines, out));
-        let Adler { a, b, len } = self.idat.adler;
-        Part { lines: start..end, tally: [a, b, len] }
+        Part { lines: start..end, tally: self.idat.adler.tally() }
     }
 
     fn join(&mut self, part: &Part, _out: &mut Vec<u8>) {
-        let [a, b, len] = part.tally;
-        self.idat.adler.append(Adler { a, b, len });
+        self.idat.adler.append(Adler::new(part.tally));
+        self.restart = Restart { line: part.lines.end, tally: self.idat.adler.tally() };
+    }
+
+    fn restart(&self) -> Restart {
+        self.restart
+    }
+
+    fn resume(&mut self, restart: &Restart) {
+        self.idat.adler = Adler::new(restart.tally);
+        self.restart = *restart;
     }
 }
 
 /// The compressed stream: a chunk a segment.
 struct Idat {
     block: Block,
-    compressed: Vec<u8>,
     /// Of all rows so far.
     adler: Adler,
 }
 
 impl Idat {
     fn new() -> Idat {
-        Idat { block: Block::new(), compressed: Vec::new(), adler: Adler::default() }
+        Idat { block: Block::new(), adler: Adler::default() }
     }
 
     /// Takes filtered bytes.
@@ -248,38 +262,35 @@ impl Idat {
     }
 
     fn end_segment(&mut self, out: &mut Vec<u8>) {
-        self.block.end(&mut self.compressed);
-        self.chunk(out);
+        chunk(out, b"IDAT", |out| self.block.end(out));
     }
 
     /// Ends the stream, and before it the last segment if that is still open.
     fn end(&mut self, open: bool, out: &mut Vec<u8>) {
-        if open {
-            self.block.end(&mut self.compressed);
-        }
-        self.compressed.extend(deflate::LAST);
-        self.compressed.extend(self.adler.value().to_be_bytes());
-        self.chunk(out);
-    }
-
-    fn chunk(&mut self, out: &mut Vec<u8>) {
-        chunk(out, b"IDAT", &self.compressed);
-        self.compressed.clear();
+        chunk(out, b"IDAT", |out| {
+            if open {
+                self.block.end(out);
+            }
+            out.extend(deflate::LAST);
+            out.extend(self.adler.value().to_be_bytes());
+        });
     }
 }
 
-/// Appends a chunk.
-fn chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
-    let mut crc = crc32fast::Hasher::new();
-    crc.update(kind);
-    crc.update(data);
-    out.extend_from_slice(&(data.len() as u32).to_be_bytes());
+/// Appends a chunk of what `data` appends.
+fn chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: impl FnOnce(&mut Vec<u8>)) {
+    let start = out.len();
+    out.extend_from_slice(&[0; 4]);
     out.extend_from_slice(kind);
-    out.extend_from_slice(data);
-    out.extend_from_slice(&crc.finalize().to_be_bytes());
+    data(out);
+    let length = (out.len() - start - 8) as u32;
+    out[start..start + 4].copy_from_slice(&length.to_be_bytes());
+    let crc = crc32fast::hash(&out[start + 4..]);
+    out.extend_from_slice(&crc.to_be_bytes());
 }
 
-/// Adler-32 (RFC 1950) as a sum that can be put together: the sums over the bytes, and over the sums, without the leading 1.
+/// Adler-32 (RFC 1950) as a sum that can be put together: the sums over the bytes, and over the sums, without the leading 1. All are kept below the
+/// modulus.
 #[derive(Clone, Copy, Default)]
 struct Adler {
     a: u64,
@@ -290,23 +301,33 @@ struct Adler {
 impl Adler {
     const MODULUS: u64 = 65_521;
 
+    /// The sum of that tally.
+    fn new(tally: [u64; 3]) -> Adler {
+        let [a, b, len] = tally.map(|sum| sum % Self::MODULUS);
+        Adler { a, b, len }
+    }
+
+    fn tally(&self) -> [u64; 3] {
+        [self.a, self.b, self.len]
+    }
+
     fn of(data: &[u8]) -> Adler {
         let mut sum = simd_adler32::Adler32::from_checksum(0);
         sum.write(data);
         let sum = u64::from(sum.finish());
-        Adler { a: sum & 0xffff, b: sum >> 16, len: data.len() as u64 }
+        Adler { a: sum & 0xffff, b: sum >> 16, len: data.len() as u64 % Self::MODULUS }
     }
 
     /// Of `n` equal bytes, fewer than 2^28.
     fn equal(byte: u8, n: u64) -> Adler {
         let byte = u64::from(byte);
-        Adler { a: byte * n % Self::MODULUS, b: byte * (n * (n + 1) / 2) % Self::MODULUS, len: n }
+        Adler { a: byte * n % Self::MODULUS, b: byte * (n * (n + 1) / 2) % Self::MODULUS, len: n % Self::MODULUS }
     }
 
     fn append(&mut self, next: Adler) {
-        self.b = (self.b + self.a * (next.len % Self::MODULUS) + next.b) % Self::MODULUS;
+        self.b = (self.b + self.a * next.len + next.b) % Self::MODULUS;
         self.a = (self.a + next.a) % Self::MODULUS;
-        self.len += next.len;
+        self.len = (self.len + next.len) % Self::MODULUS;
     }
 
     fn value(&self) -> u32 {

@@ -12,11 +12,12 @@ pub const FORMAT: Format = Format {
     media_type: "image/x-portable-pixmap",
     about: "portable pixmap (P6), 24 bits a pixel: the inks on white",
     binary: true,
+    version: 1,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P6\n{} {}\n255\n", header.width, header.height());
     let inks = rows::blocks(&header.inks);
-    rows::plain(head, (header.width, 24), 255, move |runs, row| rows::rgb(row, runs, &inks))
+    rows::plain(head, header, 24, 255, move |runs, row| rows::rgb(row, runs, &inks))
 }

@@ -1,6 +1,6 @@
 //! What the line streams share: lines are gathered into records, and counted and summed up for the end record.
 
-use super::{Encode, Part, Strip};
+use super::{Encode, Part, Restart, Strip};
 use crate::checksum::Checksum;
 use crate::run::{Header, Lines, Merge, RECORD_LINES};
 
@@ -80,5 +80,20 @@ impl Encode for Records {
     fn join(&mut self, part: &Part, out: &mut Vec<u8>) {
         self.flush(out);
         self.sum.append(part.tally);
+    }
+
+    /// The first line of the open record, as only records that were written are in the sum.
+    fn restart(&self) -> Restart {
+        let lines = self.sum.lines();
+        Restart { line: self.header.lines.start + lines, tally: [self.sum.crc32().into(), lines.into(), self.sum.runs()] }
+    }
+
+    fn resume(&mut self, restart: &Restart) {
+        let [crc32, _, runs] = restart.tally;
+        let lines = u64::from(restart.line.saturating_sub(self.header.lines.start));
+        // A line has no more runs than pixels, whatever a tally says.
+        let runs = runs.min(lines * u64::from(self.header.width));
+        self.sum.restart();
+        self.sum.append([(!(crc32 as u32)).into(), lines, runs]);
     }
 }

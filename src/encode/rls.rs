@@ -12,6 +12,7 @@ pub const FORMAT: Format = Format {
     media_type: "application/vnd.runset.rls",
     about: "line stream in binary (docs/rls.md)",
     binary: true,
+    version: 1,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -2,9 +2,11 @@
 //!
 //! A row is kept, which is paper at first, and line after line what changes is painted over it, a byte at a time. What goes out are copies of it.
 
+use std::ops::Range;
+
 use super::changes::Shown;
-use super::{Encode, Part, Strip};
-use crate::run::{Lines, Rgb, Run, WHITE};
+use super::{Encode, Part, Restart, Strip};
+use crate::run::{Header, Lines, Rgb, Run, WHITE};
 
 /// A byte of equal pixels of `depth` bits (1, 2, 4 or 8): at 2 bits, pixel 3 is 3 · 0b01010101.
 pub fn spread(depth: u32, pixel: u8) -> u8 {
@@ -63,15 +65,19 @@ pub fn rgb(row: &mut [u8], runs: &[Run], blocks: &[Block]) {
 /// cost more on the way than they save in it.
 const STRIP_BYTES: usize = 1 << 19;
 
-/// A writer of `head` and then rows of `width` pixels of `depth` bits, which are bytes `paper` before `paint` writes changes over them, as [`Shown`] gives
+/// A writer of `head` and then rows of pixels of `depth` bits, which are bytes `paper` before `paint` writes changes over them, as [`Shown`] gives
 /// them.
-pub fn plain(head: String, (width, depth): (u32, u32), paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
-    let shown = Shown::new(width, depth);
-    Box::new(Plain { head, row: vec![paper; shown.row_bytes()], shown, paint })
+pub fn plain(head: String, header: &Header, depth: u32, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+    let shown = Shown::new(header.width, depth);
+    let raster = header.lines.clone();
+    Box::new(Plain { head, next: raster.start, raster, row: vec![paper; shown.row_bytes()], shown, paint })
 }
 
 struct Plain<P> {
     head: String,
+    /// The lines of the raster, and the one that is written next.
+    raster: Range<u32>,
+    next: u32,
     row: Vec<u8>,
     shown: Shown,
     paint: P,
@@ -90,6 +96,7 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
         self.shown.show(lines.runs);
         (self.paint)(self.shown.changes(), &mut self.row);
         (0..lines.n).for_each(|_| out.extend_from_slice(&self.row));
+        self.next = lines.y + lines.n;
     }
 
     fn end(&mut self, _out: &mut Vec<u8>) {}
@@ -103,7 +110,28 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
         Part { lines: strip.lines(), tally: [0; 3] }
     }
 
-    fn join(&mut self, _part: &Part, _out: &mut Vec<u8>) {}
+    fn join(&mut self, part: &Part, _out: &mut Vec<u8>) {
+        self.next = part.lines.end;
+    }
+
+    fn length(&self) -> Option<u64> {
+        Some(self.head.len() as u64 + self.raster.len() as u64 * self.row.len() as u64)
+    }
+
+    fn restart(&self) -> Restart {
+        Restart { line: self.next, tally: [0; 3] }
+    }
+
+    fn resume(&mut self, restart: &Restart) {
+        self.next = restart.line;
+    }
+
+    /// The beginning of a line, or the end.
+    fn seek(&self, offset: u64) -> Option<(u64, Restart)> {
+        let (head, row) = (self.head.len() as u64, self.row.len() as u64);
+        let lines = (offset.checked_sub(head)? / row).min(self.raster.len() as u64);
+        Some((head + lines * row, Restart { line: self.raster.start + lines as u32, tally: [0; 3] }))
+    }
 }
 
 /// How many rows of `row_bytes` bytes are about `bytes` bytes: a power of two.

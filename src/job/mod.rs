@@ -20,7 +20,7 @@ mod stream;
 pub use convert::convert;
 pub use info::{Entry, Info, info};
 pub use size::Size;
-pub use stream::{More, Stream};
+pub use stream::{Checkpoint, More, Stream};
 
 use std::io::Write;
 use std::ops::Range;
@@ -29,7 +29,7 @@ use std::time::Instant;
 
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
-pub use crate::region::Counting;
+pub use crate::region::{Cost, Counting};
 use crate::region::{Picture, Rows};
 use crate::run::{BLACK, Header, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
@@ -182,7 +182,12 @@ impl Job {
 
     /// The bands: they cut the page at the same lines whatever part of it is drawn, by however many threads.
     fn bands(&self) -> impl Iterator<Item = Range<u32>> + Clone + use<> {
-        let (lines, band) = (self.header.lines.clone(), self.band);
+        self.bands_from(self.header.lines.start)
+    }
+
+    /// What is left of the bands from a line of the raster on.
+    fn bands_from(&self, line: u32) -> impl Iterator<Item = Range<u32>> + Clone + use<> {
+        let (lines, band) = (line..self.header.lines.end, self.band);
         (lines.start / band..lines.end.div_ceil(band)).map(move |i| (i * band).max(lines.start)..((i + 1) * band).min(lines.end))
     }
 }

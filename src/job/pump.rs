@@ -1,6 +1,6 @@
 //! Between rows and bytes: hands lines to an encoder in portions, so that what is pending stays small.
 
-use crate::encode::{Encode, Format};
+use crate::encode::{Encode, Format, Restart};
 use crate::run::{Header, Lines, RECORD_LINES};
 
 /// About how many bytes are gathered before they are written.
@@ -13,7 +13,7 @@ pub struct Pump {
     portion: u32,
     /// Runs seen, those of repeated lines too.
     pub runs: u64,
-    /// Lines seen.
+    /// Lines seen, and those before the one that was taken up.
     pub lines: u32,
 }
 
@@ -22,8 +22,18 @@ impl Pump {
     pub fn new(format: &Format, header: &Header, out: &mut Vec<u8>) -> Pump {
         let mut encoder = (format.encoder)(header);
         encoder.begin(out);
+        Pump::of(encoder, 0)
+    }
+
+    /// Takes up a raster whose first lines, up to `restart.line`, were written by others.
+    pub fn resume(mut encoder: Box<dyn Encode>, header: &Header, restart: &Restart) -> Pump {
+        encoder.resume(restart);
+        Pump::of(encoder, restart.line.saturating_sub(header.lines.start))
+    }
+
+    fn of(encoder: Box<dyn Encode>, lines: u32) -> Pump {
         let portion = PORTION.checked_div(encoder.line_bytes()).map_or(RECORD_LINES, |lines| lines.clamp(1, RECORD_LINES as usize) as u32);
-        Pump { encoder, portion, runs: 0, lines: 0 }
+        Pump { encoder, portion, runs: 0, lines }
     }
 
     /// Writes the first of `lines` to `out`, as many as make a portion, and says how many that were.
@@ -33,6 +43,11 @@ impl Pump {
         self.lines += lines.n;
         self.encoder.lines(lines, out);
         lines.n
+    }
+
+    /// Where another writer can go on.
+    pub fn restart(&self) -> Restart {
+        self.encoder.restart()
     }
 
     /// Writes the end of the raster to `out`.

@@ -231,6 +231,11 @@ impl Rows {
         &self.runs
     }
 
+    /// About how many edges were stepped to the row that was given last.
+    pub fn stepped(&self) -> usize {
+        self.sweep.tags().len()
+    }
+
     /// What the rows have cost so far.
     pub fn cost(&self) -> &Cost {
         &self.cost
