@@ -160,12 +160,14 @@ pub struct Warning {
     pub place: Option<Place>,
     /// What it is about, in one line, with the element's id where there is one.
     pub what: String,
+    /// Whether the document asks for something outside it, which was not read. A service refuses that.
+    pub outside: bool,
 }
 
 impl Warning {
     /// A warning about the input document.
     pub fn input(what: impl Into<String>) -> Warning {
-        Warning { origin: Origin::Input, place: None, what: one_line(&what.into()) }
+        Warning { origin: Origin::Input, place: None, what: one_line(&what.into()), outside: false }
     }
 }
 

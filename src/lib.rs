@@ -8,7 +8,7 @@
 //! The modules are floors; imports point down only (`tests/floors.rs` keeps it so):
 //!
 //! ```text
-//! 5  cli  main               arguments, files, signals
+//! 5  cli  main  service      arguments, files, signals; HTTP, stored jobs
 //! 4  job                     bytes -> scene -> rows -> Write
 //! 3  region  input  encode   runs of a page; readers; writers
 //! 2  edge  scene             edge builders; shapes, expression, page, limits
@@ -29,6 +29,8 @@ pub mod line;
 pub mod region;
 pub mod run;
 pub mod scene;
+#[cfg(feature = "serve")]
+pub mod service;
 pub mod shape;
 mod spread;
 pub mod sweep;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 /// in the order of their use.
 const FLOORS: &[&[&str]] = &[
     &["main", "cli"],
+    &["service"],
     &["job"],
     &["region", "input", "encode"],
     &["edge", "scene"],

@@ -58,7 +58,7 @@ pub struct Fill {
     size: SizeOptions,
 
     /// Only scanlines Y0 to Y1 - 1, counted from 0: what the whole picture holds there
-    #[arg(long, value_name = "Y0..Y1", value_parser = values::lines)]
+    #[arg(long, value_name = "Y0..Y1", value_parser = runset::job::lines)]
     lines: Option<Range<u32>>,
 
     /// Farthest that a flattened curve may be from the true one, in pixels, 0.001 to 16

@@ -12,6 +12,8 @@ mod messages;
 mod output;
 mod progress;
 mod reference;
+#[cfg(feature = "serve")]
+mod serve;
 mod signals;
 mod table;
 mod values;
@@ -47,6 +49,8 @@ struct Cli {
 enum Command {
     Fill(fill::Fill),
     Convert(convert::Convert),
+    #[cfg(feature = "serve")]
+    Serve(serve::Serve),
     Info(info::Inspect),
     Formats(reference::Formats),
     Completions(reference::Completions),
@@ -58,6 +62,8 @@ pub fn run(started: Instant) -> ExitCode {
     let result = Cli::try_parse().map_err(|error| messages::usage(&error)).and_then(|cli| match cli.command {
         Command::Fill(args) => fill::run(&args, started),
         Command::Convert(args) => convert::run(&args),
+        #[cfg(feature = "serve")]
+        Command::Serve(args) => serve::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Formats(_) => reference::formats(),
         Command::Completions(args) => reference::completions(&args, Cli::command()),

@@ -1,10 +1,10 @@
 //! Values of options: text to numbers within bounds, with messages that say what is allowed.
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use runset::encode::{FORMATS, Format, by_name};
-use runset::grid::MAX_HEIGHT;
 use runset::job::TOLERANCES;
 
 /// The name of a format.
@@ -32,14 +32,10 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| TOLERANCES.contains(x)).ok_or_else(allowed)
 }
 
-/// Scanlines `Y0..Y1`, half-open and not empty.
-pub fn lines(text: &str) -> Result<Range<u32>, String> {
-    let range = text.split_once("..").and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?));
-    let range = range.ok_or("give two line numbers, the first counted from 0 and the one behind the last, such as 0..100")?;
-    match range.start < range.end && range.end <= MAX_HEIGHT {
-        true => Ok(range),
-        false => Err(format!("the second number must be above the first and at most {MAX_HEIGHT}")),
-    }
+/// A time in seconds, above 0.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    let time = positive(text).ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| "give a number of seconds above 0, such as 30 or 0.5".to_owned())
 }
 
 /// A number of bytes, at least 1, with an optional suffix k, M or G (powers of 1024).
@@ -79,15 +75,6 @@ mod tests {
         }
         for n in [1, 1023, 1024, 3 << 20, 5 << 30, (5 << 30) + 1] {
             assert_eq!(bytes(&show_bytes(n)), Ok(n));
-        }
-    }
-
-    #[test]
-    fn ranges_of_lines_are_half_open_and_hold_a_line() {
-        assert_eq!(lines("0..1"), Ok(0..1));
-        assert_eq!(lines("7..8388608"), Ok(7..8_388_608));
-        for text in ["", "5", "5..", "..5", "5..5", "6..5", "0..8388609", "-1..5", "0...5", "0..=5", "0..99999999999"] {
-            assert!(lines(text).is_err(), "{text}");
         }
     }
 

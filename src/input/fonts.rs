@@ -46,6 +46,19 @@ impl Fonts {
         Ok(())
     }
 
+    /// A number that is another for other fonts: of those given, their bytes count; of those that are installed, their names.
+    pub fn fingerprint(&self) -> u32 {
+        let mut sum = crc32fast::Hasher::new();
+        for face in self.0.faces() {
+            sum.update(face.post_script_name.as_bytes());
+            sum.update(&face.index.to_le_bytes());
+            if let Source::Binary(bytes) = &face.source {
+                sum.update((**bytes).as_ref());
+            }
+        }
+        sum.finalize()
+    }
+
     /// Adds the fonts that are installed: the picture then depends on the machine.
     pub fn add_system(&mut self) {
         Arc::make_mut(&mut self.0).load_system_fonts();

@@ -19,7 +19,7 @@ mod stream;
 
 pub use convert::convert;
 pub use info::{Entry, Info, info};
-pub use size::Size;
+pub use size::{Size, lines};
 pub use stream::{Checkpoint, More, Stream};
 
 use std::io::Write;
@@ -173,6 +173,11 @@ impl Job {
     /// The raster's header.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// Edges after flattening, before any is dropped.
+    pub fn edges(&self) -> u64 {
+        self.edges
     }
 
     /// The lines as runs, pulled from top to bottom. Lines that follow each other may be equal.

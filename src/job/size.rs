@@ -1,5 +1,7 @@
 //! How large the page becomes, and where the drawing lies on it.
 
+use std::ops::Range;
+
 use crate::edge::Placement;
 use crate::error::{Error, Kind, Origin, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
@@ -88,6 +90,19 @@ fn positive(value: f64, what: &str) -> Result<f64> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::parameter(format!("{what} is {value}: give a number above 0"))) }
 }
 
+/// Scanlines `Y0..Y1`, half-open and not empty, as people write them.
+///
+/// # Errors
+/// What is wrong, and what to give.
+pub fn lines(text: &str) -> std::result::Result<Range<u32>, String> {
+    let range = text.split_once("..").and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?));
+    let range = range.ok_or("give two line numbers, the first counted from 0 and the one behind the last, such as 0..100")?;
+    match range.start < range.end && range.end <= MAX_HEIGHT {
+        true => Ok(range),
+        false => Err(format!("the second number must be above the first and at most {MAX_HEIGHT}")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,5 +124,14 @@ mod tests {
         assert!(page(Size::Scale(1e307), 1.0, 1e-307).unwrap_err().what.starts_with("the page would be 1.0e307 x 1 px: "));
         assert_eq!(page(Size::Scale(1e300), 1e300, 1.0).unwrap_err().kind, Kind::Refused);
         assert!(page(Size::Scale(f64::NAN), 1.0, 1.0).is_err() && page(Size::Dpi(-1.0), 1.0, 1.0).is_err());
+    }
+
+    #[test]
+    fn ranges_of_lines_are_half_open_and_hold_a_line() {
+        assert_eq!(lines("0..1"), Ok(0..1));
+        assert_eq!(lines("7..8388608"), Ok(7..8_388_608));
+        for text in ["", "5", "5..", "..5", "5..5", "6..5", "0..8388609", "-1..5", "0...5", "0..=5", "0..99999999999"] {
+            assert!(lines(text).is_err(), "{text}");
+        }
     }
 }

@@ -12,8 +12,15 @@ use crate::scene::quoted;
 
 /// Gathers warnings.
 pub(super) struct Notes {
-    notes: Vec<(At, String)>,
+    notes: Vec<Note>,
     given: HashSet<String>,
+}
+
+struct Note {
+    at: At,
+    words: String,
+    /// Whether it is about something outside the document.
+    outside: bool,
 }
 
 /// Where the element begins that a note is about.
@@ -58,26 +65,31 @@ impl Notes {
 
     /// Warns, once for equal words.
     pub(super) fn add(&mut self, element: Element<'_>, what: impl Display) {
-        self.add_once(At::Id(element.id.to_owned()), format!("{}: {}", element.named(), what));
+        self.add_once(At::Id(element.id.to_owned()), format!("{}: {}", element.named(), what), false);
     }
 
     /// Warns of the element that begins at a byte, once for equal words.
     pub(super) fn add_at(&mut self, start: usize, element: Element<'_>, what: impl Display) {
-        self.add_once(At::Byte(start), format!("{}: {}", element.named(), what));
+        self.add_once(At::Byte(start), format!("{}: {}", element.named(), what), false);
     }
 
-    fn add_once(&mut self, at: At, words: String) {
+    /// Warns of something outside the document that the element which begins at a byte asks for, once for equal words.
+    pub(super) fn add_outside(&mut self, start: usize, element: Element<'_>, what: impl Display) {
+        self.add_once(At::Byte(start), format!("{}: {}", element.named(), what), true);
+    }
+
+    fn add_once(&mut self, at: At, words: String, outside: bool) {
         if self.given.insert(words.clone()) {
-            self.notes.push((at, words));
+            self.notes.push(Note { at, words, outside });
         }
     }
 
     /// Finds the places of what is noted so far: from here on the text is not needed.
     pub(super) fn find_places(&mut self, text: &str) {
         let mut bytes: Vec<(usize, &mut At)> = Vec::new();
-        for (at, _) in &mut self.notes {
-            if let At::Byte(byte) = *at {
-                bytes.push((byte, at));
+        for note in &mut self.notes {
+            if let At::Byte(byte) = note.at {
+                bytes.push((byte, &mut note.at));
             }
         }
         bytes.sort_unstable_by_key(|&(byte, _)| byte);
@@ -87,13 +99,13 @@ impl Notes {
 
     /// The warnings in the order of the document, those without a place behind the others. `first` tells where the first element of an id begins.
     pub(super) fn warnings(self, first: impl Fn(&str) -> Option<Place>) -> Vec<Warning> {
-        let warning = |(at, what): (At, String)| {
-            let place = match at {
+        let warning = |note: Note| {
+            let place = match note.at {
                 At::Byte(_) => None,
                 At::Place(place) => Some(place),
                 At::Id(id) => first(&id),
             };
-            Warning { place, ..Warning::input(what) }
+            Warning { place, outside: note.outside, ..Warning::input(note.words) }
         };
         let mut warnings: Vec<Warning> = self.notes.into_iter().map(warning).collect();
         warnings.sort_by_key(|warning| warning.place.map_or((true, 0, 0), |place| (false, place.line, place.column)));

@@ -42,8 +42,12 @@ pub(super) fn note<'a>(xml: &'a Document<'_>, styles: &Styles<'a>, missing: &Mis
 
 /// Notes an address that is not read.
 pub(super) fn add(node: Node<'_, '_>, what: &str, address: &str, notes: &mut Notes) {
-    let where_it_is = if address.starts_with("data:") { "a document of its own" } else { "outside the document" };
-    notes.add_at(node.range().start, element(node), format!("{what}{} is {where_it_is} and not read", quoted(address)));
+    let (start, element) = (node.range().start, element(node));
+    if address.starts_with("data:") {
+        notes.add_at(start, element, format!("{what}{} is a document of its own and not read", quoted(address)));
+    } else {
+        notes.add_outside(start, element, format!("{what}{} is outside the document and not read", quoted(address)));
+    }
 }
 
 /// What stands in the `url()` of a text, empty ones left out.

@@ -1,0 +1,692 @@
+//! Jobs: documents that are kept with what is asked of them, and rasters that are made of them whenever somebody reads.
+//!
+//! ```text
+//!   ready --read--> reading --to the last byte--> done          a reader that breaks off leaves it ready; it may be read again at any byte,
+//!     \--its document cannot be rendered--> failed               also when it is done
+//!   any --DELETE--> cancelled, and forgotten
+//! ```
+//!
+//! All jobs are in memory ([`Live`]), and in the store before anybody is told that they are accepted. What changes later (lines delivered,
+//! lengths, checkpoints) is stored a second later at most: losing it costs work, and no bytes.
+
+pub mod events;
+pub mod raster;
+mod store;
+mod trail;
+
+use std::collections::{BTreeMap, HashSet};
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::time::Duration;
+
+use axum::Json;
+use axum::body::Body;
+use axum::extract::rejection::QueryRejection;
+use axum::extract::{Path, Query, State};
+use axum::http::header::LOCATION;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use tokio::sync::{Notify, watch};
+use utoipa::{IntoParams, ToSchema};
+
+use self::store::{Row, Store};
+use self::trail::Trail;
+use super::config::Config;
+use super::drawings::{Key, Shared};
+use super::params::{Kind, Params};
+use super::problem::{Details, Problem};
+use super::raster::{Follow, exhaust};
+use super::{Service, fill, meters};
+use crate::encode::{self, Format};
+use crate::job::{Checkpoint, More};
+
+/// The client's key of a request that may be sent again.
+const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
+
+/// Said when the answer is that to an earlier request with the same key.
+const REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
+
+/// Jobs of a page of the list, unless it is asked for another number.
+const PAGE: usize = 100;
+
+/// How a job is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// Stored, and read by nobody at the moment.
+    Ready,
+    /// Being read.
+    Reading,
+    /// Its raster was handed to a reader up to the last byte.
+    Done,
+    /// Its document cannot be rendered any more.
+    Failed,
+    /// Deleted.
+    Cancelled,
+}
+
+/// When a job came into a state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Change {
+    /// The state.
+    state: Phase,
+    /// When, in UTC (RFC 3339).
+    #[schema(value_type = String, format = DateTime)]
+    at: Timestamp,
+}
+
+/// A job as it is shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Job)]
+pub struct View {
+    /// Its id; later jobs have greater ones.
+    id: String,
+    /// What is made of its document.
+    kind: Kind,
+    /// How it is.
+    state: Phase,
+    /// Name of the raster's format.
+    format: String,
+    /// Width of the raster in pixels.
+    width: u32,
+    /// Height of the raster in pixels.
+    height: u32,
+    /// Its scanlines.
+    lines: u32,
+    /// Scanlines that were handed to a reader, at least in part.
+    lines_delivered: u32,
+    /// Length of the raster in bytes, once it is known.
+    bytes: Option<u64>,
+    /// When it was accepted, in UTC (RFC 3339).
+    #[schema(value_type = String, format = DateTime)]
+    created: Timestamp,
+    /// When its last byte was first handed to a reader, or when it failed.
+    #[schema(value_type = Option<String>, format = DateTime)]
+    finished: Option<Timestamp>,
+    /// Why it failed.
+    error: Option<String>,
+    /// What is drawn but not supported.
+    warnings: Vec<String>,
+    /// The states that it was in, the last few of them.
+    history: Vec<Change>,
+}
+
+/// States that are remembered.
+const HISTORY: usize = 32;
+
+/// A job as it is stored.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Record {
+    #[serde(flatten)]
+    view: View,
+    params: Params,
+    /// What tells its drawing from others.
+    key: Key,
+    /// Bytes of the document.
+    size: u64,
+    /// The raster's tag: another one means other bytes.
+    tag: String,
+    idempotency_key: Option<String>,
+    /// When it was made or read last.
+    used: Timestamp,
+}
+
+/// A job.
+pub struct Live {
+    id: String,
+    key: Key,
+    params: Params,
+    format: &'static Format,
+    size: u64,
+    tag: String,
+    idempotency_key: Option<String>,
+    now: Mutex<Now>,
+    readers: AtomicUsize,
+    deleted: AtomicBool,
+    /// Whether the store knows less.
+    dirty: AtomicBool,
+    /// Counts changes, for those who follow.
+    changes: watch::Sender<()>,
+}
+
+/// What changes of a job.
+struct Now {
+    view: View,
+    trail: Trail,
+    used: Timestamp,
+}
+
+impl Live {
+    fn new(record: Record, format: &'static Format, trail: Trail) -> Live {
+        let Record { view, params, key, size, tag, idempotency_key, used } = record;
+        Live {
+            id: view.id.clone(),
+            key,
+            params,
+            format,
+            size,
+            tag,
+            idempotency_key,
+            now: Mutex::new(Now { view, trail, used }),
+            readers: AtomicUsize::new(0),
+            deleted: AtomicBool::new(false),
+            dirty: AtomicBool::new(false),
+            changes: watch::Sender::new(()),
+        }
+    }
+
+    fn now(&self) -> MutexGuard<'_, Now> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// As it is shown.
+    pub fn view(&self) -> View {
+        self.now().view.clone()
+    }
+
+    fn row(&self) -> Row {
+        let now = self.now();
+        let record = Record {
+            view: now.view.clone(),
+            params: self.params.clone(),
+            key: self.key,
+            size: self.size,
+            tag: self.tag.clone(),
+            idempotency_key: self.idempotency_key.clone(),
+            used: now.used,
+        };
+        let record = serde_json::to_string(&record).expect("numbers and strings under fixed names are JSON");
+        Row { id: self.id.clone(), record, trail: now.trail.to_bytes() }
+    }
+
+    /// Changes it, and tells those who follow.
+    fn change(&self, how: impl FnOnce(&mut Now)) {
+        how(&mut self.now());
+        self.dirty.store(true, Ordering::Release);
+        self.changes.send_replace(());
+    }
+
+    fn enter(now: &mut Now, state: Phase) {
+        if now.view.state != state {
+            now.view.state = state;
+            now.view.history.push(Change { state, at: Timestamp::now() });
+            let old = now.view.history.len().saturating_sub(HISTORY);
+            // The first stays: it tells when the job was accepted.
+            now.view.history.drain(1.min(old)..old + 1.min(old));
+        }
+    }
+
+    fn fail(&self, why: &str) {
+        self.change(|now| {
+            Live::enter(now, Phase::Failed);
+            now.view.finished = Some(Timestamp::now());
+            now.view.error = Some(why.to_owned());
+        });
+    }
+
+    /// Its drawing, prepared.
+    async fn drawing(&self, service: &Service) -> Result<Shared, Problem> {
+        let path = service.jobs.store.document(&self.id);
+        service.drawings.get(self.key, self.params.options()?, Box::new(move || std::fs::read(path))).await
+    }
+
+    /// A reader comes.
+    fn read(self: &Arc<Live>) -> Reading {
+        self.readers.fetch_add(1, Ordering::AcqRel);
+        self.change(|now| {
+            now.used = Timestamp::now();
+            if now.view.state == Phase::Ready {
+                Live::enter(now, Phase::Reading);
+            }
+        });
+        Reading(self.clone())
+    }
+
+    /// Notes where its raster can be taken up again, and its length at the end.
+    fn note(&self, checkpoint: Checkpoint, more: More) {
+        let mut now = self.now();
+        if now.view.bytes.is_none() {
+            now.trail.add(checkpoint);
+            self.dirty.store(true, Ordering::Release);
+            if more == More::End {
+                now.view.bytes = Some(checkpoint.offset);
+                drop(now);
+                self.changes.send_replace(());
+            }
+        }
+    }
+}
+
+/// A job that is being read, as long as this lives.
+pub struct Reading(Arc<Live>);
+
+impl Follow for Reading {
+    fn made(&self, checkpoint: Checkpoint, more: More) {
+        self.0.note(checkpoint, more);
+    }
+
+    fn handed(&self, offset: u64, lines: u32) {
+        self.0.change(|now| {
+            now.view.lines_delivered = now.view.lines_delivered.max(lines);
+            if now.view.bytes == Some(offset) && now.view.state != Phase::Done {
+                Live::enter(now, Phase::Done);
+                now.view.finished = Some(Timestamp::now());
+            }
+        });
+    }
+
+    fn stop(&self) -> bool {
+        self.0.deleted.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Reading {
+    fn drop(&mut self) {
+        let last = self.0.readers.fetch_sub(1, Ordering::AcqRel) == 1;
+        self.0.change(|now| {
+            now.used = Timestamp::now();
+            if last && now.view.state == Phase::Reading {
+                Live::enter(now, Phase::Ready);
+            }
+        });
+    }
+}
+
+/// Follows a raster that is made to be measured.
+struct Measuring<'s> {
+    live: &'s Live,
+    service: &'s Service,
+}
+
+impl Follow for Measuring<'_> {
+    fn made(&self, checkpoint: Checkpoint, more: More) {
+        self.live.note(checkpoint, more);
+    }
+
+    fn handed(&self, _offset: u64, _lines: u32) {}
+
+    fn stop(&self) -> bool {
+        // A reader may have come to the end first.
+        self.live.deleted.load(Ordering::Relaxed) || self.service.ending.is_cancelled() || self.live.now().view.bytes.is_some()
+    }
+}
+
+/// The jobs of a service.
+pub struct Jobs {
+    store: Store,
+    all: RwLock<BTreeMap<String, Arc<Live>>>,
+    /// There may be something to measure.
+    unmeasured: Notify,
+}
+
+impl Jobs {
+    /// The jobs that a folder holds.
+    ///
+    /// # Errors
+    /// It cannot be used.
+    pub fn open(config: &Config) -> io::Result<Jobs> {
+        let store = Store::open(&config.data)?;
+        let mut all = BTreeMap::new();
+        for row in store.all()? {
+            let record: Record = match serde_json::from_str(&row.record) {
+                Ok(record) => record,
+                Err(error) => {
+                    tracing::error!("the job {} cannot be read and is left alone: {error}", row.id);
+                    continue;
+                }
+            };
+            let Some(format) = encode::by_name(&record.view.format) else {
+                tracing::error!("the job {} has a format that is not known: {}", row.id, record.view.format);
+                continue;
+            };
+            let tag = fill::tag(&record.key, &config.fonts, format);
+            let same = tag == record.tag;
+            let trail = if same { Trail::from_bytes(&row.trail) } else { Trail::default() };
+            let live = Live::new(Record { tag, ..record }, format, trail);
+            live.change(|now| {
+                if !same {
+                    // Another version makes other bytes: what was measured is not theirs.
+                    now.view.bytes = None;
+                }
+                if now.view.state == Phase::Reading {
+                    Live::enter(now, Phase::Ready);
+                }
+            });
+            if !store.document(&row.id).exists() && live.view().state != Phase::Failed {
+                live.fail("its document is lost");
+            }
+            all.insert(row.id, Arc::new(live));
+        }
+        meters::level("runset_jobs", all.len());
+        Ok(Jobs { store, all: RwLock::new(all), unmeasured: Notify::new() })
+    }
+
+    /// The job of an id.
+    fn find(&self, id: &str) -> Result<Arc<Live>, Problem> {
+        self.all.read().unwrap_or_else(PoisonError::into_inner).get(id).cloned().ok_or_else(Problem::no_job)
+    }
+
+    fn lives(&self) -> Vec<Arc<Live>> {
+        self.all.read().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
+    }
+
+    /// Stores a job. If the client's key has one already, that one is given.
+    fn accept(&self, live: Live, document: &[u8]) -> Result<(Arc<Live>, bool), Problem> {
+        let live = Arc::new(live);
+        self.store.write_document(&live.id, document).map_err(|error| Problem::storing(&error))?;
+        // Others see a key in the store and its job here at the same time.
+        let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
+        let added = self.store.add(&live.row(), live.idempotency_key.as_deref());
+        if !matches!(added, Ok(None)) {
+            self.store.remove_document(&live.id);
+        }
+        if let Some(known) = added.map_err(|error| Problem::storing(&error))? {
+            return all.get(&known).map(|known| (known.clone(), true)).ok_or_else(|| Problem::internal("a key whose job is not there"));
+        }
+        all.insert(live.id.clone(), live.clone());
+        meters::level("runset_jobs", all.len());
+        drop(all);
+        self.unmeasured.notify_one();
+        Ok((live, false))
+    }
+
+    /// Forgets a job.
+    fn forget(&self, live: &Live) -> io::Result<()> {
+        let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
+        self.store.remove(&live.id)?;
+        all.remove(&live.id);
+        meters::level("runset_jobs", all.len());
+        drop(all);
+        live.deleted.store(true, Ordering::Relaxed);
+        live.change(|now| Live::enter(now, Phase::Cancelled));
+        Ok(())
+    }
+
+    /// Stores what the store does not know.
+    fn save(&self) {
+        let changed: Vec<_> = self.lives().into_iter().filter(|live| live.dirty.swap(false, Ordering::AcqRel)).collect();
+        if changed.is_empty() {
+            return;
+        }
+        let rows: Vec<Row> = changed.iter().map(|live| live.row()).collect();
+        if let Err(error) = self.store.save(&rows) {
+            tracing::error!("what is known of {} jobs cannot be stored: {error}", rows.len());
+            changed.iter().for_each(|live| live.dirty.store(true, Ordering::Release));
+        }
+    }
+
+    /// Forgets jobs past their age, and the oldest that are done where all are too many or too large with another of `room` bytes.
+    fn clean(&self, config: &Config, room: u64) -> Result<(), Problem> {
+        let mut lives = self.lives();
+        let idle = |live: &Live| live.readers.load(Ordering::Acquire) == 0;
+        let old = Timestamp::now() - jiff::SignedDuration::try_from(config.keep).unwrap_or(jiff::SignedDuration::MAX / 4);
+        let forget = |live: &Live, why: &str| match self.forget(live) {
+            Ok(()) => {
+                tracing::info!("the job {} is forgotten: {why}", live.id);
+                true
+            }
+            Err(error) => {
+                tracing::error!("the job {} cannot be forgotten: {error}", live.id);
+                false
+            }
+        };
+        lives.retain(|live| !(idle(live) && live.now().used < old && forget(live, "nobody has used it for long")));
+        let (mut count, mut bytes) = (lives.len(), lives.iter().map(|live| live.size).sum::<u64>());
+        let more = usize::from(room > 0);
+        let ended = |live: &Live| matches!(live.now().view.state, Phase::Done | Phase::Failed);
+        for live in lives.iter().filter(|live| idle(live) && ended(live)) {
+            if count + more <= config.max_jobs && bytes + room <= config.max_store {
+                break;
+            }
+            if forget(live, "the store is full, and it is done") {
+                (count, bytes) = (count - 1, bytes - live.size);
+            }
+        }
+        if count + more > config.max_jobs || bytes + room > config.max_store {
+            meters::refused("store");
+            let what = "the store is full of jobs that are not done: read or delete some";
+            return Err(Problem::new(StatusCode::INSUFFICIENT_STORAGE, "store-full", what));
+        }
+        Ok(())
+    }
+
+    /// Whether the store can be written.
+    pub async fn writable(self: &Arc<Jobs>) -> bool {
+        let jobs = self.clone();
+        tokio::task::spawn_blocking(move || jobs.store.is_writable()).await.unwrap_or(false)
+    }
+
+    /// Stores all that is known.
+    pub async fn save_all(self: &Arc<Jobs>) {
+        let jobs = self.clone();
+        let _ = tokio::task::spawn_blocking(move || jobs.save()).await;
+    }
+}
+
+/// Stores what changes, and forgets what is old, for ever.
+pub async fn keep(service: Service) {
+    let mut tick = tokio::time::interval(Duration::from_secs(1));
+    for second in 0_u64.. {
+        tick.tick().await;
+        let service = service.clone();
+        let work = tokio::task::spawn_blocking(move || {
+            service.jobs.save();
+            if second.is_multiple_of(60) {
+                // A store that is full all the same is told to the next who wants to add to it.
+                let _ = service.jobs.clean(&service.config, 0);
+            }
+        });
+        let _ = work.await;
+    }
+}
+
+/// Measures rasters whose length is not known, oldest first, some at a time, until the service ends.
+pub async fn measure(service: Service) {
+    let mut under_way = tokio::task::JoinSet::new();
+    let mut measured: HashSet<String> = HashSet::new();
+    loop {
+        while let Some(result) = under_way.try_join_next() {
+            measured.remove(&result.unwrap_or_default());
+        }
+        if service.ending.is_cancelled() {
+            break;
+        }
+        let unknown = |live: &Arc<Live>| live.now().view.bytes.is_none() && live.now().view.state != Phase::Failed;
+        let waiting = service.jobs.lives().into_iter().filter(|live| !measured.contains(&live.id) && unknown(live));
+        for live in waiting.take(service.config.max_bands.saturating_sub(measured.len())).collect::<Vec<_>>() {
+            measured.insert(live.id.clone());
+            let service = service.clone();
+            under_way.spawn(async move {
+                measure_one(&service, &live).await;
+                live.id.clone()
+            });
+        }
+        tokio::select! {
+            Some(result) = under_way.join_next() => { measured.remove(&result.unwrap_or_default()); }
+            () = service.jobs.unmeasured.notified() => {}
+            () = service.ending.cancelled() => {}
+        }
+    }
+    while under_way.join_next().await.is_some() {}
+}
+
+async fn measure_one(service: &Service, live: &Arc<Live>) {
+    let drawing = match live.drawing(service).await {
+        Ok(drawing) => drawing,
+        Err(problem) if problem.is_passing() => return tokio::time::sleep(Duration::from_secs(1)).await,
+        Err(problem) => return live.fail(problem.detail()),
+    };
+    let job = &drawing.drawing.job;
+    if let Some(length) = job.length(live.format) {
+        return live.change(|now| now.view.bytes = Some(length));
+    }
+    let from = live.now().trail.before(u64::MAX);
+    let Some(stream) = raster::stream(job, live.format, from) else {
+        // Checkpoints of another raster: they are of no use.
+        return live.change(|now| now.trail = Trail::default());
+    };
+    if let Err(what) = exhaust(service, stream, &Measuring { live, service }).await {
+        live.fail(&what);
+    }
+}
+
+/// The list of jobs.
+#[derive(Serialize, ToSchema)]
+pub struct List {
+    /// Oldest first.
+    jobs: Vec<View>,
+    /// What to give as `after` for the next page, if there is one.
+    next: Option<String>,
+}
+
+/// What part of the list is wanted.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ListParams {
+    /// Only jobs behind this id
+    after: Option<String>,
+    /// How many at most
+    #[param(minimum = 1, maximum = 1000)]
+    limit: Option<usize>,
+}
+
+/// The jobs, oldest first
+#[utoipa::path(
+    get,
+    path = "/v1/jobs",
+    tag = "jobs",
+    params(ListParams),
+    responses(
+        (status = 200, description = "A page of the list", body = List),
+        (status = 400, description = "The query is malformed", body = Details, content_type = "application/problem+json"),
+    )
+)]
+pub async fn list(State(service): State<Service>, params: Result<Query<ListParams>, QueryRejection>) -> Result<Json<List>, Problem> {
+    let Query(params) = params.map_err(|rejection| Problem::malformed(super::params::query_fault(&rejection)))?;
+    let limit = params.limit.unwrap_or(PAGE);
+    if !(1..=1000).contains(&limit) {
+        return Err(Problem::malformed(format!("limit is {limit}: give a whole number from 1 to 1000")));
+    }
+    let all = service.jobs.all.read().unwrap_or_else(PoisonError::into_inner);
+    let after = params.after.map_or(std::ops::Bound::Unbounded, std::ops::Bound::Excluded);
+    let mut behind = all.range((after, std::ops::Bound::Unbounded)).map(|(_, live)| live);
+    let jobs: Vec<View> = behind.by_ref().take(limit).map(|live| live.view()).collect();
+    let next = behind.next().and(jobs.last()).map(|last| last.id.clone());
+    Ok(Json(List { jobs, next }))
+}
+
+/// Store a document, and what is to be made of it
+///
+/// It is checked as by `POST /v1/fill`, and stored durably before the answer. The same `Idempotency-Key` with the same request gives the same job; with another
+/// request it is refused.
+#[utoipa::path(
+    post,
+    path = "/v1/jobs",
+    tag = "jobs",
+    params(
+        Params,
+        ("kind" = inline(Option<Kind>), Query, description = "What is made of the document"),
+        ("Idempotency-Key" = Option<String>, Header, description = "Names the request, so that it can be sent again"),
+    ),
+    request_body(description = "An SVG or a JSON scene, plain or gzipped", content((String = "image/svg+xml"), (serde_json::Value = "application/json"))),
+    responses(
+        (status = 201, description = "Accepted and stored", body = View, headers(("location" = String, description = "The job's address"))),
+        (status = 400, description = "The query or the document is malformed", body = Details, content_type = "application/problem+json"),
+        (status = 408, description = "The body stopped", body = Details, content_type = "application/problem+json"),
+        (status = 413, description = "The document is too large", body = Details, content_type = "application/problem+json"),
+        (status = 415, description = "Not a document that can be read", body = Details, content_type = "application/problem+json"),
+        (status = 422, description = "Understood, and refused: names, references, limits, a key used before", body = Details, content_type = "application/problem+json"),
+        (status = 503, description = "Busy: try again later", body = Details, content_type = "application/problem+json"),
+        (status = 507, description = "The disk or the store is full", body = Details, content_type = "application/problem+json"),
+    )
+)]
+pub async fn create(State(service): State<Service>, params: Params, headers: HeaderMap, body: Body) -> Result<Response, Problem> {
+    // The raster's format: what is accepted here is the answer's.
+    let (format, options) = (params.format(&HeaderMap::new())?, params.options()?);
+    let idempotency_key = headers.get(IDEMPOTENCY_KEY).map(idempotency_key).transpose()?;
+    let document = service.uploads.read(&service.config, &headers, body).await?;
+    let (key, bytes) = (fill::key(&document.digest, &params), document.bytes.clone());
+    let shared = service.drawings.get(key, options, Box::new(move || Ok(bytes.into()))).await?;
+    let header = shared.drawing.job.header();
+    let now = Timestamp::now();
+    let view = View {
+        id: uuid::Uuid::now_v7().simple().to_string(),
+        kind: params.kind.unwrap_or(Kind::Fill),
+        state: Phase::Ready,
+        format: format.name.to_owned(),
+        width: header.width,
+        height: header.height(),
+        lines: header.height(),
+        lines_delivered: 0,
+        bytes: shared.drawing.job.length(format),
+        created: now,
+        finished: None,
+        error: None,
+        warnings: shared.drawing.warnings.iter().map(fill::said).collect(),
+        history: vec![Change { state: Phase::Ready, at: now }],
+    };
+    let tag = fill::tag(&key, &service.config.fonts, format);
+    let record = Record { view, params, key, size: document.bytes.len() as u64, tag, idempotency_key, used: now };
+    let accepted = tokio::task::spawn_blocking(move || {
+        service.jobs.clean(&service.config, record.size.max(1))?;
+        service.jobs.accept(Live::new(record, format, Trail::default()), &document.bytes)
+    });
+    let (live, replayed) = accepted.await.map_err(Problem::internal)??;
+    if replayed && (live.key, live.format.name) != (key, format.name) {
+        let what = "this Idempotency-Key was used for another request: give a new one";
+        return Err(Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "key-reused", what));
+    }
+    let view = live.view();
+    let location = HeaderValue::from_str(&format!("/v1/jobs/{}", view.id)).map_err(Problem::internal)?;
+    let mut response = (StatusCode::CREATED, Json(view)).into_response();
+    response.headers_mut().insert(LOCATION, location);
+    if replayed {
+        response.headers_mut().insert(REPLAYED, HeaderValue::from_static("true"));
+    }
+    Ok(response)
+}
+
+fn idempotency_key(value: &HeaderValue) -> Result<String, Problem> {
+    let plain = |key: &&str| (1..=255).contains(&key.len()) && key.bytes().all(|b| b == b' ' || b.is_ascii_graphic());
+    let key = value.to_str().ok().filter(plain).map(str::to_owned);
+    key.ok_or_else(|| Problem::malformed("Idempotency-Key: give 1 to 255 visible ASCII characters"))
+}
+
+/// A job
+#[utoipa::path(
+    get,
+    path = "/v1/jobs/{id}",
+    tag = "jobs",
+    params(("id" = String, Path, description = "The job's id")),
+    responses(
+        (status = 200, description = "The job", body = View),
+        (status = 404, description = "There is none", body = Details, content_type = "application/problem+json"),
+    )
+)]
+pub async fn show(State(service): State<Service>, Path(id): Path<String>) -> Result<Json<View>, Problem> {
+    Ok(Json(service.jobs.find(&id)?.view()))
+}
+
+/// Cancel a job and forget it
+///
+/// Whoever reads it at the moment is cut off.
+#[utoipa::path(
+    delete,
+    path = "/v1/jobs/{id}",
+    tag = "jobs",
+    params(("id" = String, Path, description = "The job's id")),
+    responses(
+        (status = 204, description = "It is gone"),
+        (status = 404, description = "There is none", body = Details, content_type = "application/problem+json"),
+    )
+)]
+pub async fn delete(State(service): State<Service>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    let live = service.jobs.find(&id)?;
+    let forgotten = tokio::task::spawn_blocking(move || service.jobs.forget(&live)).await.map_err(Problem::internal)?;
+    forgotten.map_err(|error| Problem::storing(&error))?;
+    Ok(StatusCode::NO_CONTENT)
+}
