@@ -128,7 +128,11 @@ impl http_body::Body for Logged {
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         let frame = Pin::new(&mut self.body).poll_frame(cx);
         match &frame {
-            Poll::Ready(Some(Ok(frame))) => self.entry.bytes += frame.data_ref().map_or(0, |data| data.len() as u64),
+            Poll::Ready(Some(Ok(frame))) => {
+                self.entry.bytes += frame.data_ref().map_or(0, |data| data.len() as u64);
+                // A body that knows its end is not asked again.
+                self.entry.whole |= self.body.is_end_stream();
+            }
             Poll::Ready(None) => self.entry.whole = true,
             _ => {}
         }

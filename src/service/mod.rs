@@ -112,23 +112,20 @@ pub fn app(service: &Service) -> Router {
         .split_for_parts();
     let description = about::describe(api);
     let described = axum::routing::get(move || about::openapi(description.clone()));
-    router
+    let app = router
         .route("/openapi.json", described)
         .fallback(|| async { Problem::new(StatusCode::NOT_FOUND, "not-found", "there is nothing here: see /openapi.json") })
         .method_not_allowed_fallback(|| async {
             Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "this method is not for this address: see /openapi.json")
         })
         .layer(middleware::from_fn_with_state(service.clone(), access::pass))
-        .layer(cors(&service.config))
-        .with_state(service.clone())
+        .with_state(service.clone());
+    if service.config.origins.is_empty() { app } else { app.layer(cors(&service.config.origins)) }
 }
 
 /// Pages of other origins may use the service only where these are named.
-fn cors(config: &Config) -> CorsLayer {
-    let origins: Vec<HeaderValue> = config.origins.iter().filter_map(|origin| origin.parse().ok()).collect();
-    if origins.is_empty() {
-        return CorsLayer::new();
-    }
+fn cors(origins: &[String]) -> CorsLayer {
+    let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
     let exposed = [header::CONTENT_LENGTH, header::CONTENT_RANGE, header::ETAG, header::LOCATION, header::RETRY_AFTER, access::REQUEST_ID];
     let taken = [header::AUTHORIZATION, header::CONTENT_TYPE, header::IF_RANGE, header::RANGE, HeaderName::from_static("idempotency-key")];
     CorsLayer::new()
