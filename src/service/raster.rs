@@ -18,12 +18,12 @@ use tokio::sync::OwnedSemaphorePermit;
 use super::connection::Connection;
 use super::drawings::Shared;
 use super::{Service, meters};
-use crate::job::{Checkpoint, More, Stream};
+use crate::job::{More, Stream};
 
 /// Who is told of a raster's way.
 pub trait Follow: Send + Sync {
-    /// A portion was made: where the stream stands behind it, and whether that is the end.
-    fn made(&self, checkpoint: Checkpoint, more: More);
+    /// The stream has made a portion, and tells whether that was the last.
+    fn made(&self, stream: &Stream, more: More);
     /// The reader's connection was given the bytes up to `offset` of the raster, and so many of its lines at least in part.
     fn handed(&self, offset: u64, lines: u32);
     /// Whether to stop.
@@ -146,7 +146,7 @@ impl Raster {
             self.computed += took;
             let lines = stream.lines();
             if let Some(follow) = &self.follow {
-                follow.made(stream.checkpoint(), more);
+                follow.made(&stream, more);
             }
             self.stream = (more == More::More).then_some(stream);
             if let Some(started) = self.started.take_if(|_| !bytes.is_empty()) {
@@ -208,7 +208,7 @@ pub async fn exhaust(service: &Service, stream: Stream, follow: &dyn Follow) -> 
         }
         let Portion { more, stream: next, took, .. } = portion(service, at_hand).await?;
         computed += took;
-        follow.made(next.checkpoint(), more);
+        follow.made(&next, more);
         stream = (more == More::More).then_some(next);
     }
     Ok(())

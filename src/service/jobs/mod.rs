@@ -41,7 +41,7 @@ use super::problem::{Details, Problem};
 use super::raster::{Follow, exhaust};
 use super::{Service, fill, meters};
 use crate::encode::{self, Format};
-use crate::job::{Checkpoint, More};
+use crate::job::{More, Stream};
 
 /// The client's key of a request that may be sent again.
 const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
@@ -246,13 +246,13 @@ impl Live {
     }
 
     /// Notes where its raster can be taken up again, and its length at the end.
-    fn note(&self, checkpoint: Checkpoint, more: More) {
+    fn note(&self, stream: &Stream, more: More) {
         let mut now = self.now();
         if now.view.bytes.is_none() {
-            now.trail.add(checkpoint);
+            now.trail.add(stream.checkpoint());
             self.dirty.store(true, Ordering::Release);
             if more == More::End {
-                now.view.bytes = Some(checkpoint.offset);
+                now.view.bytes = Some(stream.offset());
                 drop(now);
                 self.changes.send_replace(());
             }
@@ -264,8 +264,8 @@ impl Live {
 pub struct Reading(Arc<Live>);
 
 impl Follow for Reading {
-    fn made(&self, checkpoint: Checkpoint, more: More) {
-        self.0.note(checkpoint, more);
+    fn made(&self, stream: &Stream, more: More) {
+        self.0.note(stream, more);
     }
 
     fn handed(&self, offset: u64, lines: u32) {
@@ -302,8 +302,8 @@ struct Measuring<'s> {
 }
 
 impl Follow for Measuring<'_> {
-    fn made(&self, checkpoint: Checkpoint, more: More) {
-        self.live.note(checkpoint, more);
+    fn made(&self, stream: &Stream, more: More) {
+        self.live.note(stream, more);
     }
 
     fn handed(&self, _offset: u64, _lines: u32) {}
