@@ -26,6 +26,7 @@ pub mod grid;
 pub mod input;
 pub mod job;
 pub mod line;
+pub mod mesh;
 pub mod region;
 pub mod run;
 pub mod scene;

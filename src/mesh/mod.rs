@@ -1,0 +1,63 @@
+//! Polyhedra, and what they are combined to: the leaves and the tree of a CSG model.
+//!
+//! A [`Mesh`] is a closed surface: faces of any number of corners, plane, with holes or without, counterclockwise as seen from outside. A
+//! [`Part`] is a mesh at its place, with a colour; a [`Model`] is parts and a [`Formula`] over them, the same as that of plane shapes. A
+//! part may stand at several places of the formula.
+
+use std::sync::Arc;
+
+use crate::error::Place;
+use crate::run::Rgb;
+use crate::scene::{Area, Formula};
+
+/// A point in space, in the model's units (millimetres for most).
+pub type Point = [f64; 3];
+
+/// A surface of plane faces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// The corners.
+    pub points: Vec<Point>,
+    /// The faces.
+    pub faces: Vec<Face>,
+}
+
+/// A plane face: rings of indices into [`Mesh::points`], the outer one counterclockwise as seen from outside, holes clockwise. The first and the last
+/// of a ring are neighbours.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Face {
+    /// The outer ring and the holes.
+    pub rings: Vec<Vec<u32>>,
+}
+
+/// The first three rows of a 4 x 4 matrix, row by row: from a mesh's own coordinates to the model's.
+pub type Matrix = [[f64; 4]; 3];
+
+/// The matrix that changes nothing.
+pub const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// A mesh at its place in a model.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The surface.
+    pub mesh: Arc<Mesh>,
+    /// Its place.
+    pub matrix: Matrix,
+    /// Its colour, if it was given one.
+    pub color: Option<Rgb>,
+    /// What it is, in one word: `cube`, `polyhedron`.
+    pub kind: &'static str,
+    /// Where it begins in the document.
+    pub place: Option<Place>,
+}
+
+/// A model: which points of space it fills, as a formula over its parts.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The parts, in document order.
+    pub parts: Vec<Part>,
+    /// The formula; its shapes are indices into `parts`.
+    pub formula: Formula,
+    /// The whole.
+    pub area: Area,
+}
