@@ -33,6 +33,7 @@ pub mod scene;
 #[cfg(feature = "serve")]
 pub mod service;
 pub mod shape;
+pub mod solid;
 mod spread;
 pub mod sweep;
 

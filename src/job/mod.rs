@@ -27,12 +27,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::count::Rule;
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::{Cost, Counting};
 use crate::region::{Picture, Rows};
 use crate::run::{BLACK, Header, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
+use crate::shape::{FillRule, Shape};
 
 /// The default flattening tolerance, in pixels.
 pub const TOLERANCE: f64 = 0.1;
@@ -151,7 +153,13 @@ impl Job {
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         let page_alone = builder();
-        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
+        // What covers the page holds from the start, and waits for no crossing.
+        let rule = |shape: usize| match &scene.shapes[shape] {
+            shape if page_alone.holds_page(shape) => Rule::AtLeast(0),
+            Shape { rule: FillRule::NonZero, .. } => Rule::NonZero,
+            Shape { rule: FillRule::EvenOdd, .. } => Rule::Odd,
+        };
+        let (program, leaves) = scene::compile(&scene.formula, scene.shapes.len(), &outputs, rule);
         let (inks, ink_of_layer) = distinct_inks(&layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));

@@ -1,0 +1,7 @@
+//! From solids to what is seen of them: the same sweep as for plane shapes, and a count along depth.
+
+pub mod body;
+pub mod cut;
+pub mod spans;
+pub mod stage;
+pub mod view;
