@@ -27,8 +27,8 @@ pub mod exact;
 
 use crate::grid::{SUB, first_centre};
 
-/// Bits of a column's fraction. A page's 2^20 columns and a bit for those that are wider than a page's fill the rest of 64.
-const FRACTION: u32 = 43;
+/// Bits of a position's fraction. A page's 2^20 columns and a bit for those that are wider than a page's fill the rest of 64.
+pub const FRACTION: u32 = 43;
 
 const ONE: f64 = (1_u64 << FRACTION) as f64;
 
@@ -96,6 +96,11 @@ impl Line {
         let down = i64::from(row) * SUB + SUB / 2 - top[1];
         let a = (top[0] - SUB / 2) * dy + down * dx;
         Some(Line::new(a, dx * SUB, d, rows))
+    }
+
+    /// The line of a position and a step, as [`Line::parts`] gives them.
+    pub fn of_parts(at: u64, step: u64) -> Line {
+        Line { at, step }
     }
 
     /// The column at this scanline.

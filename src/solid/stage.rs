@@ -1,7 +1,11 @@
 //! A body in a view: edges as columns, planes as depths.
 //!
-//! Corners are projected and rounded to 1/256 px; from there on all is integers. An edge takes its columns from its line, which goes through the outermost of all
-//! corners on it, and its scanlines from its own ends: so edges on one line in space never part on the screen.
+//! An edge takes its columns from its line, and the scanlines that it meets from its ends, so edges on one line in space never part on the screen. A line is
+//! a position on scanline 0 and a step, in units of 2^-43 px, and columns are what these integers say; depths are integers too. So all that is decided behind this
+//! floor is exact, and the doubles in front of it are off by some 2^-30 px: much less than the hair by which pixels are looked at beside their centres.
+
+// Corners rounded to 1/256 px, as those of plane shapes are, would move edges by up to 1/512 px against the depths of the faces that meet there: a face beside
+// the edge could then be nearer than the one that hides it, in single pixels along edges that lie in a face of another part.
 
 use std::ops::Range;
 
@@ -9,12 +13,10 @@ use glam::DVec3;
 
 use super::body::{Body, NOTHING};
 use super::cut::cut;
-use super::view::{Depth, View};
+use super::view::{Depth, SAMPLE, View};
 use crate::count::{Node, Program};
-use crate::grid::{self, Point, SUB};
-use crate::line::Line;
-use crate::line::exact::{self, Piece};
-use crate::sweep::{self, Edges};
+use crate::line::{FRACTION, Line};
+use crate::sweep::{Edge, Edges};
 
 pub use super::body::Plane;
 
@@ -69,9 +71,8 @@ impl Stage {
         sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
         let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
 
-        let points: Vec<Point> = body.points.iter().map(|p| grid::snap_point(view.screen(*p))).collect();
-        let rows: Vec<u32> = points.iter().map(|p| exact::row(p[1]).clamp(0.0, view.height.into()) as u32).collect();
-        let ends = outermost(&body);
+        let rows: Vec<u32> = body.points.iter().map(|p| row(view.screen(*p)[1], view.height)).collect();
+        let lines: Vec<Sloping> = body.lines.iter().map(|line| Sloping::new(view.passes(line))).collect();
         let needed = |face: u32| face != NOTHING && leaf_of[body.faces[face as usize].part as usize] != NOTHING;
 
         let mut edges = Edges::default();
@@ -85,22 +86,14 @@ impl Stage {
             if from == to || !needed(edge.left) {
                 continue;
             }
-            let (turns, top, bottom) = if from < to { (1, edge.from, edge.to) } else { (-1, edge.to, edge.from) };
+            let turns = if from < to { 1 } else { -1 };
             let across = from.min(to)..from.max(to);
-            let [a, b] = ends[edge.line as usize].map(|p| points[p as usize]);
-            let [a, b] = if a[1] == b[1] {
-                [top, bottom].map(|p| points[p as usize])
-            } else if a[1] < b[1] {
-                [a, b]
-            } else {
-                [b, a]
-            };
-            if a[0].min(b[0]) > f64::from(view.width) {
-                continue;
+            let first = across.start;
+            lines[edge.line as usize].edges(across, view.width, &mut pieces);
+            if pieces.iter().any(|piece| !piece.line.is_vertical() || piece.line.column() < view.width) {
+                edges.add(first, pieces.drain(..), Crossing { left: edge.left, right: edge.right, turns });
             }
-            columns(a, b, across.clone(), view.width, &mut pieces);
-            let chain = pieces.drain(..).map(|Piece { last, line }| sweep::Edge { last, line });
-            edges.add(across.start, chain, Crossing { left: edge.left, right: edge.right, turns });
+            pieces.clear();
         }
         let depth = |(plane, p): (&Plane, &u32)| view.depth(plane, body.points.get(*p as usize).copied().unwrap_or(DVec3::ZERO), farthest);
         let depths = body.planes.iter().zip(&inside).map(depth).collect();
@@ -112,38 +105,50 @@ impl Stage {
     }
 }
 
-/// For every line the two outermost corners on it.
-fn outermost(body: &Body) -> Vec<[u32; 2]> {
-    let mut ends: Vec<[(f64, u32); 2]> = vec![[(f64::INFINITY, 0), (f64::NEG_INFINITY, 0)]; body.lines.len()];
-    for edge in &body.edges {
-        let line = &body.lines[edge.line as usize];
-        for p in [edge.from, edge.to] {
-            let along = line.along.dot(body.points[p as usize] - line.at);
-            let [first, last] = &mut ends[edge.line as usize];
-            // Points that are equally far along are told by their numbers.
-            if (along, p) < *first {
-                *first = (along, p);
-            }
-            if (along, p) > *last {
-                *last = (along, p);
-            }
-        }
-    }
-    ends.into_iter().map(|ends| ends.map(|end| end.1)).collect()
+/// The first scanline that is looked at below a height, in pixels.
+fn row(height: f64, rows: u32) -> u32 {
+    (height - SAMPLE[1]).ceil().clamp(0.0, rows.into()) as u32
 }
 
-/// Appends the pieces of the line from `top` to `bottom`, in pixels, for `rows`.
-fn columns(top: Point, bottom: Point, rows: Range<u32>, width: u32, pieces: &mut Vec<Piece>) {
-    if grid::is_near(top) && grid::is_near(bottom) {
-        let [p, q] = [top, bottom].map(|point| point.map(grid::steps));
-        if p[0].max(q[0]) <= SUB / 2 {
-            return pieces.push(Piece { last: rows.end, line: Line::vertical(0) });
-        }
-        let within = |y: i64| grid::first_centre(y);
-        let covered = within(p[1]) <= i64::from(rows.start) && i64::from(rows.end) <= within(q[1]);
-        if covered && let Some(line) = Line::through(p, q, rows.start, rows.end - rows.start, width) {
-            return pieces.push(Piece { last: rows.end, line });
+/// A line on the screen, in units of 2^-43 px: where it passes scanline 0, right of where pixel 0 is looked at, and its step from one scanline to the next.
+#[derive(Clone, Copy)]
+struct Sloping {
+    at: i128,
+    step: i128,
+}
+
+impl Sloping {
+    fn new((at, slope): (f64, f64)) -> Sloping {
+        // Level lines pass no scanline but by rounding, and then anywhere. What is far beyond any page stays there.
+        let fixed = |x: f64| (x.clamp(-1e18, 1e18) * ONE).round() as i128;
+        Sloping { at: fixed(at), step: fixed(slope) }
+    }
+
+    /// Its column on a scanline: that of the first pixel that is looked at on it or right of it.
+    fn at(self, row: u32) -> i128 {
+        // As in [`Line`]: what is right of a pixel belongs to the next.
+        self.at + self.step * i128::from(row) + (1 << FRACTION) - 1
+    }
+
+    /// Appends the edges that it makes on `rows`, with columns within the page.
+    fn edges(self, rows: Range<u32>, width: u32, edges: &mut Vec<Edge>) {
+        let side = |row: u32| (self.at(row) >> FRACTION).clamp(0, i128::from(width));
+        let mut start = rows.start;
+        while start < rows.end {
+            let here = side(start);
+            let outside = |side: i128| side == 0 || side == i128::from(width);
+            // It leaves a side once: find where.
+            let (mut same, mut past) = (start, rows.end);
+            while past - same > 1 {
+                let middle = same + (past - same) / 2;
+                let alike = if outside(here) { side(middle) == here } else { !outside(side(middle)) };
+                if alike { same = middle } else { past = middle }
+            }
+            let line = if outside(here) { Line::vertical(here as u32) } else { Line::of_parts(self.at(start) as u64, self.step as u64) };
+            edges.push(Edge { last: past, line });
+            start = past;
         }
     }
-    exact::pieces(top, bottom, rows, width, pieces);
 }
+
+const ONE: f64 = (1_u64 << FRACTION) as f64;

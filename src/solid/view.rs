@@ -17,8 +17,18 @@
 
 use glam::DVec3;
 
-use super::body::Plane;
-use crate::grid::Point;
+use super::body::{Line, Plane};
+
+/// A point on the screen, in pixels.
+pub type Point = [f64; 2];
+
+/// Where in a pixel it is looked at what it shows, in pixels from its top left corner: at its centre, but for a hair to the right and down.
+///
+/// A centre that lies on the left or the upper boundary of a face is inside, on the right or the lower outside; so are points a hair off it, and they are far enough off for
+/// rounding in doubles, some 2^-30 px, not to matter where edges go right through centres, as in views along the axes. The two differ, for edges along diagonals.
+pub const SAMPLE: Point = [0.5 + HAIR, 0.5 + 0.381_966 * HAIR];
+
+const HAIR: f64 = 1.0 / (1 << 18) as f64;
 
 /// How space is shown on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +121,30 @@ impl View {
         [f64::from(self.width) / 2.0 + scale * c.x, f64::from(self.height) / 2.0 + scale * c.y]
     }
 
+    /// Where pixel (i, j) is looked at, in pixels from the centre of the page.
+    fn sample(&self, i: u32, j: u32) -> Point {
+        [f64::from(i) + SAMPLE[0] - f64::from(self.width) / 2.0, f64::from(j) + SAMPLE[1] - f64::from(self.height) / 2.0]
+    }
+
+    /// Where a line in space passes the points at which the pixels of scanline 0 are looked at, in pixels right of that of pixel 0, and how much further right it
+    /// passes those of the next. Neither is finite where it is level on the screen.
+    pub fn passes(&self, line: &Line) -> (f64, f64) {
+        let (at, along) = (self.camera(line.at), self.turned(line.along));
+        let [x, y] = self.sample(0, 0);
+        match self.projection {
+            // On the screen a line is where the plane through it and the eye is.
+            Projection::Perspective { focal, .. } => {
+                let normal = at.cross(along);
+                let slope = -normal.y / normal.x;
+                (slope * y - normal.z / normal.x * focal - x, slope)
+            }
+            Projection::Orthographic { scale } => {
+                let slope = along.x / along.y;
+                ((at.x - at.y * slope) * scale + slope * y - x, slope)
+            }
+        }
+    }
+
     /// What nearness is a unit of, where z is at most `farthest` in size.
     fn unit(&self, farthest: f64) -> f64 {
         match self.projection {
@@ -130,7 +164,7 @@ impl View {
             Projection::Orthographic { scale } => (scale, [normal.x / normal.z, normal.y / normal.z, -offset / normal.z]),
         };
         let (a, b) = (u / pixels * unit, v / pixels * unit);
-        let [x, y] = [self.width, self.height].map(|size| 0.5 - f64::from(size) / 2.0);
+        let [x, y] = self.sample(0, 0);
         let c = w * unit + a * x + b * y;
         let fits = |x: f64| x.is_finite() && x.abs() < STEEPEST;
         if fits(a) && fits(b) && fits(c) {
