@@ -34,6 +34,8 @@ pub struct Span {
     pub end: u32,
     /// The face: an index into [`Stage::faces`].
     pub face: u32,
+    /// Whether it is seen from inside of its part: that part is taken away there.
+    pub inside: bool,
 }
 
 /// What is saved by knowing more than one scanline or span, each of which can be switched off: the spans do not depend on it.
@@ -210,9 +212,10 @@ impl Spans {
             self.cost.crossings += u64::from(end < columns.end);
             if let Some(seen) = seen {
                 let face = self.active[seen].face;
+                let inside = self.turns[face as usize] < 0;
                 match self.spans.last_mut() {
-                    Some(last) if last.face == face && last.end == start => last.end = end,
-                    _ => self.spans.push(Span { start, end, face }),
+                    Some(last) if (last.face, last.inside) == (face, inside) && last.end == start => last.end = end,
+                    _ => self.spans.push(Span { start, end, face, inside }),
                 }
             }
             start = end;

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::body::{Body, NOTHING};
 use super::cut::cut;
-use super::view::{Depth, SAMPLE, View};
+use super::view::{Depth, Projection, SAMPLE, View};
 use crate::count::{Node, Program};
 use crate::line::{FRACTION, Line};
 use crate::sweep::{Edge, Edges};
@@ -102,6 +102,15 @@ impl Stage {
             Face { plane: face.plane, leaf: leaf_of[part], part: face.part, rank: body.ranks[part] }
         });
         Stage { view, edges: edges.finish(), faces: faces.collect(), depths, planes: body.planes, program, farthest }
+    }
+
+    /// Whether the normal of a plane points to the eye.
+    pub fn is_toward(&self, plane: u32) -> bool {
+        let Plane { normal, offset } = self.planes[plane as usize];
+        match self.view.projection {
+            Projection::Perspective { .. } => normal.dot(self.view.eye) > offset,
+            Projection::Orthographic { .. } => normal.dot(self.view.axes[2]) < 0.0,
+        }
     }
 }
 
