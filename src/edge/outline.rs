@@ -13,18 +13,21 @@
 //!      4\_  | 3
 //! ```
 
-use crate::grid::{self, Point, SUB};
+use std::ops::Range;
+
+use crate::grid::{self, Point, first_centre};
 use crate::line::Line;
 use crate::line::exact::{self, Piece};
 use crate::shape::flatten::PART;
 use crate::sweep::Edge;
 
-/// Points no further from the origin, in pixels, find their scanlines many at once.
-const CLOSE: f64 = (1 << 22) as f64;
-
-/// Whether points are so close to the origin; they are finite then.
-pub(super) fn are_close(points: &[Point]) -> bool {
-    points.as_flattened().iter().fold(true, |close, v| close & (v.abs() <= CLOSE))
+/// Whether all of them are finite.
+pub(super) fn are_finite(values: &[f64]) -> bool {
+    // A sum is not finite if one of them is not; only seldom otherwise.
+    let (blocks, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    blocks.iter().for_each(|block| sums.iter_mut().zip(block).for_each(|(sum, v)| *sum += v));
+    sums.iter().chain(rest).sum::<f64>().is_finite() || values.iter().all(|v| v.is_finite())
 }
 
 /// A point of a ring, and the first scanline that is not above it, on the page or behind its end.
@@ -54,6 +57,21 @@ impl Chain {
         let ends = |end: &Stretch| if downwards { end.edge.last == first } else { end.first == last };
         self.downwards == downwards && self.stretches.last().is_some_and(ends)
     }
+
+    /// Goes on with an edge. Vertical edges that follow each other in one column are one.
+    #[inline]
+    fn push(&mut self, stretch: Stretch) {
+        match self.stretches.last_mut() {
+            Some(end) if end.edge.line == stretch.edge.line && end.edge.line.is_vertical() => {
+                if self.downwards {
+                    end.edge.last = stretch.edge.last
+                } else {
+                    end.first = stretch.first
+                }
+            }
+            _ => self.stretches.push(stretch),
+        }
+    }
 }
 
 /// The ring at hand, and what is known of its chains.
@@ -70,6 +88,8 @@ pub(super) struct Outline {
     pieces: Vec<Piece>,
     /// Of the points at hand: the first scanlines that are not above them.
     rows: Box<[u32; PART]>,
+    /// The indices of those behind which follows one on another scanline.
+    meeting: Box<[u8; PART]>,
     /// Whether edges right of the page were dropped.
     pub(super) open: bool,
 }
@@ -85,52 +105,50 @@ impl Outline {
             has_opened: false,
             pieces: Vec::new(),
             rows: Box::new([0; PART]),
+            meeting: Box::new([0; PART]),
             open: false,
         }
     }
 
-    /// Goes on with the ring, by at most [`PART`] points, all of them finite, and if it is said [`are_close`]. Hands the chains that end to `add`: edges from the top
+    /// Goes on with the ring, by at most [`PART`] points, all of them finite. Hands the chains that end to `add`: edges from the top
     /// down, and what they add to the winding. Gives the number of edges.
-    pub(super) fn points(&mut self, points: &[Point], close: bool, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
-        let Some(&first) = points.first() else { return 0 };
-        if close {
-            let height = f64::from(self.height);
-            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = grid::first_row(p[1], height));
-        } else {
-            let height = f64::from(self.height);
-            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = exact::row(grid::snap(p[1])).clamp(0.0, height) as u32);
+    pub(super) fn points(&mut self, xs: &[f64], ys: &[f64], add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
+        let (&[x, ..], &[y, ..]) = (xs, ys) else { return 0 };
+        let height = f64::from(self.height);
+        self.rows.iter_mut().zip(ys).for_each(|(row, &y)| *row = grid::first_row(y, height));
+        // Most edges of fine outlines meet no scanline: those that do are put down without a branch.
+        let rows = &self.rows[..xs.len()];
+        let mut meet = 0_u8;
+        for (i, pair) in rows.windows(2).enumerate() {
+            self.meeting[usize::from(meet)] = i as u8;
+            meet += u8::from(pair[0] != pair[1]);
         }
-        let first = Vertex { point: first, row: self.rows[0] };
+        let first = Vertex { point: [x, y], row: self.rows[0] };
         let [start, before] = self.ring.unwrap_or([first; 2]);
         if before.row != first.row {
-            self.edge(before, first, add);
+            self.between(before, first, add);
         }
-        // Most edges of fine outlines meet no scanline.
-        let mut i = 1;
-        while i < points.len() {
-            let row = self.rows[i - 1];
-            if let Some(block) = self.rows[i..points.len()].first_chunk::<16>()
-                && block.iter().fold(true, |same, &other| same & (other == row))
-            {
-                i += 16;
-                continue;
-            }
-            if self.rows[i] != row {
-                self.edge(Vertex { point: points[i - 1], row }, Vertex { point: points[i], row: self.rows[i] }, add);
-            }
-            i += 1;
+        for i in 0..usize::from(meet) {
+            // Which end is the upper one is as good as random: it is looked up, not asked.
+            let from = usize::from(self.meeting[i]);
+            let [before, behind] = [self.rows[from], self.rows[from + 1]];
+            let downwards = before < behind;
+            let (top, bottom) = (from + usize::from(!downwards), from + usize::from(downwards));
+            let rows = before.min(behind)..before.max(behind);
+            self.edge((xs[top], ys[top]), (xs[bottom], ys[bottom]), rows, downwards, add);
         }
-        let last = Vertex { point: points[points.len() - 1], row: self.rows[points.len() - 1] };
-        self.ring = Some([start, last]);
-        let differ = |a: &Point, b: &Point| u64::from((a[0] != b[0]) | (a[1] != b[1]));
-        differ(&before.point, &first.point) + points.iter().zip(&points[1..]).fold(0, |seen, (a, b)| seen + differ(a, b))
+        let last = xs.len() - 1;
+        self.ring = Some([start, Vertex { point: [xs[last], ys[last]], row: self.rows[last] }]);
+        let differ = |[a, b]: [f64; 2], [c, d]: [f64; 2]| u64::from((a != c) | (b != d));
+        let pairs = xs.iter().zip(&xs[1..]).zip(ys.iter().zip(&ys[1..]));
+        differ(before.point, first.point) + pairs.fold(0, |seen, ((&a, &c), (&b, &d))| seen + differ([a, b], [c, d]))
     }
 
     /// Closes the ring. Where it began no chain is cut: the last goes on with the first. Gives the number of edges that this adds.
     pub(super) fn end(&mut self, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
         let Some([start, at]) = self.ring.take() else { return 0 };
         if start.row != at.row {
-            self.edge(at, start, add);
+            self.between(at, start, add);
         }
         if std::mem::take(&mut self.has_opened) {
             let Chain { stretches, downwards } = &mut self.opening;
@@ -138,32 +156,38 @@ impl Outline {
                 hand_on(&mut self.chain, add);
             }
             self.chain.downwards = *downwards;
-            self.chain.stretches.append(stretches);
+            self.chain.push(stretches[0]);
+            self.chain.stretches.extend_from_slice(&stretches[1..]);
+            stretches.clear();
         }
         hand_on(&mut self.chain, add);
         u64::from(start.point != at.point)
     }
 
-    /// Adds an edge that meets scanlines.
-    fn edge(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(&[Stretch], i32)) {
+    /// Adds the edge between two points on different scanlines.
+    fn between(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(&[Stretch], i32)) {
         let downwards = from.row < to.row;
         let (top, bottom) = if downwards { (from, to) } else { (to, from) };
+        self.edge(top.point.into(), bottom.point.into(), top.row..bottom.row, downwards, add);
+    }
+
+    /// Adds an edge, given by its upper and its lower end, that meets the scanlines `rows`.
+    fn edge(&mut self, top: (f64, f64), bottom: (f64, f64), rows: Range<u32>, downwards: bool, add: &mut impl FnMut(&[Stretch], i32)) {
+        let [top, bottom] = [top, bottom].map(Point::from);
         // Left of all pixel centres, right of all, or perhaps one straight line.
-        let (left, right, line) = if grid::is_near(top.point) && grid::is_near(bottom.point) {
-            let [p, q] = [top, bottom].map(|vertex| vertex.point.map(grid::steps));
-            let (least, most) = (p[0].min(q[0]), p[0].max(q[0]));
-            let line = Line::through(p, q, top.row, bottom.row - top.row, self.width);
-            (most <= SUB / 2, least > i64::from(self.width) * SUB - SUB / 2, line)
+        let (left, right, line) = if grid::is_near(top) && grid::is_near(bottom) {
+            let [p, q] = [top, bottom].map(|point| point.map(grid::steps));
+            let [c, d] = [p, q].map(|point| first_centre(point[0]));
+            (c.max(d) <= 0, c.min(d) >= self.width.into(), Line::through(p, q, rows.start, rows.end - rows.start, self.width))
         } else {
-            let [x, y] = [top, bottom].map(|vertex| grid::snap(vertex.point[0]));
+            let [x, y] = [top, bottom].map(|point| grid::snap(point[0]));
             (x.max(y) <= 0.5, x.min(y) > f64::from(self.width) - 0.5, None)
         };
         if right {
             self.open = true;
             return;
         }
-        let line = if left { Some(Line::vertical(0)) } else { line };
-        if !self.chain.goes_on(downwards, top.row, bottom.row) {
+        if !self.chain.goes_on(downwards, rows.start, rows.end) {
             // The first that ends is where the ring began.
             if !self.has_opened && !self.chain.stretches.is_empty() {
                 std::mem::swap(&mut self.opening, &mut self.chain);
@@ -173,19 +197,18 @@ impl Outline {
             }
             self.chain.downwards = downwards;
         }
-        let stretches = &mut self.chain.stretches;
-        if let Some(line) = line {
-            return stretches.push(Stretch { first: top.row, edge: Edge { last: bottom.row, line } });
+        if let Some(line) = if left { Some(Line::vertical(0)) } else { line } {
+            return self.chain.push(Stretch { first: rows.start, edge: Edge { last: rows.end, line } });
         }
         self.pieces.clear();
-        exact::pieces(grid::snap_point(top.point), grid::snap_point(bottom.point), top.row..bottom.row, self.width, &mut self.pieces);
-        let (mut first, behind) = (top.row, stretches.len());
-        for &Piece { last, line } in &self.pieces {
-            stretches.push(Stretch { first, edge: Edge { last, line } });
-            first = last;
-        }
-        if !downwards {
-            stretches[behind..].reverse();
+        exact::pieces(grid::snap_point(top), grid::snap_point(bottom), rows.clone(), self.width, &mut self.pieces);
+        let firsts = [rows.start].into_iter().chain(self.pieces.iter().map(|piece| piece.last));
+        let stretches = firsts.zip(&self.pieces).map(|(first, &Piece { last, line })| Stretch { first, edge: Edge { last, line } });
+        if downwards {
+            stretches.for_each(|stretch| self.chain.push(stretch));
+        } else {
+            let from_below: Vec<Stretch> = stretches.collect();
+            from_below.into_iter().rev().for_each(|stretch| self.chain.push(stretch));
         }
     }
 }
@@ -196,14 +219,6 @@ fn hand_on(chain: &mut Chain, add: &mut impl FnMut(&[Stretch], i32)) {
     if !*downwards {
         stretches.reverse();
     }
-    // Vertical edges that follow each other in one column are one.
-    stretches.dedup_by(|below, above| {
-        let same = above.edge.line == below.edge.line && above.edge.line.is_vertical();
-        if same {
-            above.edge.last = below.edge.last;
-        }
-        same
-    });
     if !stretches.is_empty() {
         add(stretches, if *downwards { 1 } else { -1 });
         stretches.clear();
