@@ -15,7 +15,7 @@
 
 use std::ops::Range;
 
-use crate::grid::{self, Point, first_centre};
+use crate::grid::{self, Point};
 use crate::line::Line;
 use crate::line::exact::{self, Piece};
 use crate::shape::flatten::PART;
@@ -85,7 +85,6 @@ pub(super) struct Outline {
     /// The chain that the ring began in the middle of, kept until the ring is closed once it `has_opened`.
     opening: Chain,
     has_opened: bool,
-    pieces: Vec<Piece>,
     /// Of the points at hand: the first scanlines that are not above them.
     rows: Box<[u32; PART]>,
     /// The indices of those behind which follows one on another scanline.
@@ -103,7 +102,6 @@ impl Outline {
             chain: Chain::default(),
             opening: Chain::default(),
             has_opened: false,
-            pieces: Vec::new(),
             rows: Box::new([0; PART]),
             meeting: Box::new([0; PART]),
             open: false,
@@ -115,7 +113,7 @@ impl Outline {
     pub(super) fn points(&mut self, xs: &[f64], ys: &[f64], add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
         let (&[x, ..], &[y, ..]) = (xs, ys) else { return 0 };
         let height = f64::from(self.height);
-        self.rows.iter_mut().zip(ys).for_each(|(row, &y)| *row = grid::first_row(y, height));
+        self.rows.iter_mut().zip(ys).for_each(|(row, &y)| *row = grid::first_within(y, height));
         // Most edges of fine outlines meet no scanline: those that do are put down without a branch.
         let rows = &self.rows[..xs.len()];
         let mut meet = 0_u8;
@@ -172,44 +170,56 @@ impl Outline {
     }
 
     /// Adds an edge, given by its upper and its lower end, that meets the scanlines `rows`.
+    #[inline]
     fn edge(&mut self, top: (f64, f64), bottom: (f64, f64), rows: Range<u32>, downwards: bool, add: &mut impl FnMut(&[Stretch], i32)) {
         let [top, bottom] = [top, bottom].map(Point::from);
-        // Left of all pixel centres, right of all, or perhaps one straight line.
-        let (left, right, line) = if grid::is_near(top) && grid::is_near(bottom) {
-            let [p, q] = [top, bottom].map(|point| point.map(grid::steps));
-            let [c, d] = [p, q].map(|point| first_centre(point[0]));
-            (c.max(d) <= 0, c.min(d) >= self.width.into(), Line::through(p, q, rows.start, rows.end - rows.start, self.width))
-        } else {
-            let [x, y] = [top, bottom].map(|point| grid::snap(point[0]));
-            (x.max(y) <= 0.5, x.min(y) > f64::from(self.width) - 0.5, None)
-        };
-        if right {
-            self.open = true;
-            return;
-        }
-        if !self.chain.goes_on(downwards, rows.start, rows.end) {
-            // The first that ends is where the ring began.
-            if !self.has_opened && !self.chain.stretches.is_empty() {
-                std::mem::swap(&mut self.opening, &mut self.chain);
-                self.has_opened = true;
-            } else {
-                hand_on(&mut self.chain, add);
+        // Between the ends' columns, on the page, lie all others.
+        let width = f64::from(self.width);
+        let (from, to) = (grid::first_within(top[0], width), grid::first_within(bottom[0], width));
+        let line = if from == to {
+            if from == self.width {
+                self.open = true;
+                return;
             }
-            self.chain.downwards = downwards;
-        }
-        if let Some(line) = if left { Some(Line::vertical(0)) } else { line } {
-            return self.chain.push(Stretch { first: rows.start, edge: Edge { last: rows.end, line } });
-        }
-        self.pieces.clear();
-        exact::pieces(grid::snap_point(top), grid::snap_point(bottom), rows.clone(), self.width, &mut self.pieces);
-        let firsts = [rows.start].into_iter().chain(self.pieces.iter().map(|piece| piece.last));
-        let stretches = firsts.zip(&self.pieces).map(|(first, &Piece { last, line })| Stretch { first, edge: Edge { last, line } });
-        if downwards {
-            stretches.for_each(|stretch| self.chain.push(stretch));
+            Some(Line::vertical(from))
+        } else if grid::is_near(top) && grid::is_near(bottom) {
+            let [top, bottom] = [top, bottom].map(|point| point.map(grid::steps));
+            Line::through(top, bottom, rows.start, rows.end - rows.start, self.width)
         } else {
-            let from_below: Vec<Stretch> = stretches.collect();
-            from_below.into_iter().rev().for_each(|stretch| self.chain.push(stretch));
+            None
+        };
+        if !self.chain.goes_on(downwards, rows.start, rows.end) {
+            self.begin(downwards, add);
         }
+        match line {
+            Some(line) => self.chain.push(Stretch { first: rows.start, edge: Edge { last: rows.end, line } }),
+            None => self.pieces(top, bottom, rows),
+        }
+    }
+
+    /// Begins a chain. The first that ends is where the ring began.
+    fn begin(&mut self, downwards: bool, add: &mut impl FnMut(&[Stretch], i32)) {
+        if !self.has_opened && !self.chain.stretches.is_empty() {
+            std::mem::swap(&mut self.opening, &mut self.chain);
+            self.has_opened = true;
+        } else {
+            hand_on(&mut self.chain, add);
+        }
+        self.chain.downwards = downwards;
+    }
+
+    /// Goes on with an edge that no single line stands for.
+    #[cold]
+    fn pieces(&mut self, top: Point, bottom: Point, rows: Range<u32>) {
+        let mut pieces = Vec::new();
+        exact::pieces(grid::snap_point(top), grid::snap_point(bottom), rows.clone(), self.width, &mut pieces);
+        let firsts = [rows.start].into_iter().chain(pieces.iter().map(|piece| piece.last));
+        let stretches = firsts.zip(&pieces).map(|(first, &Piece { last, line })| Stretch { first, edge: Edge { last, line } });
+        let mut stretches: Vec<Stretch> = stretches.collect();
+        if !self.chain.downwards {
+            stretches.reverse();
+        }
+        stretches.into_iter().for_each(|stretch| self.chain.push(stretch));
     }
 }
 

@@ -105,7 +105,7 @@ impl Walk {
                 }
             }
             kept += self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j).count();
-            let known = self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j + same).count();
+            let known = self.before[kept..].partition_point(|boundary| (boundary.edge as usize) < j + same);
             line.keep(&self.before[kept..kept + known], i as u32, j as u32);
             kept += known;
             line.skip(i..i + same);
@@ -116,7 +116,7 @@ impl Walk {
             // What differs, until the windings are the same again.
             let start = i;
             let mut unequal = 0;
-            while i < new.len() && (unequal != 0 || i == start || old.get(j) != Some(&new[i])) {
+            while i < new.len() && (unequal != 0 || i == start || !old.get(j).is_some_and(|entry| entry.is_same(new[i]))) {
                 let end = line.group(i);
                 for entry in &new[i..end] {
                     unequal += difference.pass(sides[entry.slot()], 1);
@@ -149,7 +149,7 @@ impl Walk {
         }
         self.state.settle(&picture.program);
         self.list.clear();
-        self.list.extend(sweep.list().iter().map(|entry| entry.stays()));
+        self.list.extend_from_slice(sweep.list());
     }
 }
 
@@ -187,11 +187,8 @@ impl<'a> Line<'a> {
 
     /// Takes over boundaries of a stretch that stands at `i` in the list, and stood at `j`.
     fn keep(&mut self, boundaries: &[Boundary], i: u32, j: u32) {
-        let from = self.boundaries.len();
-        self.boundaries.extend_from_slice(boundaries);
-        if i != j {
-            self.boundaries[from..].iter_mut().for_each(|boundary| boundary.edge = boundary.edge.wrapping_add(i.wrapping_sub(j)));
-        }
+        let moved = |boundary: &Boundary| Boundary { edge: boundary.edge.wrapping_add(i.wrapping_sub(j)), ..*boundary };
+        self.boundaries.extend(boundaries.iter().map(moved));
         self.ink = boundaries.last().map_or(self.ink, |last| last.ink);
     }
 
@@ -226,12 +223,13 @@ impl<'a> Line<'a> {
 }
 
 /// How long two lists are equal.
+#[inline]
 fn equal(a: &[Entry], b: &[Entry]) -> usize {
     const BLOCK: usize = 16;
-    let same = |(a, b): &(&[Entry], &[Entry])| a.iter().zip(*b).fold(true, |same, (a, b)| same & (a == b));
+    let same = |(a, b): &(&[Entry], &[Entry])| a.iter().zip(*b).fold(true, |same, (a, b)| same & a.is_same(*b));
     let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(same).count();
     let start = blocks * BLOCK;
-    start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a == b).count()
+    start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a.is_same(**b)).count()
 }
 
 /// Windings of the shapes along the line that was counted last.
