@@ -30,6 +30,14 @@ pub(super) fn are_finite(values: &[f64]) -> bool {
     sums.iter().chain(rest).sum::<f64>().is_finite() || values.iter().all(|v| v.is_finite())
 }
 
+/// Points whose scanlines are compared at once.
+const BLOCK: usize = 16;
+
+/// Which of them differ from the next: a bit for each.
+fn differing(rows: &[u32; BLOCK + 1]) -> u32 {
+    (0..BLOCK).fold(0, |bits, i| bits | u32::from(rows[i] != rows[i + 1]) << i)
+}
+
 /// A point of a ring, and the first scanline that is not above it, on the page or behind its end.
 #[derive(Clone, Copy, Debug)]
 struct Vertex {
@@ -86,9 +94,7 @@ pub(super) struct Outline {
     opening: Chain,
     has_opened: bool,
     /// Of the points at hand: the first scanlines that are not above them.
-    rows: Box<[u32; PART]>,
-    /// The indices of those behind which follows one on another scanline.
-    meeting: Box<[u8; PART]>,
+    rows: Box<[u32; PART + BLOCK]>,
     /// Whether edges right of the page were dropped.
     pub(super) open: bool,
 }
@@ -102,8 +108,7 @@ impl Outline {
             chain: Chain::default(),
             opening: Chain::default(),
             has_opened: false,
-            rows: Box::new([0; PART]),
-            meeting: Box::new([0; PART]),
+            rows: Box::new([0; PART + BLOCK]),
             open: false,
         }
     }
@@ -114,29 +119,30 @@ impl Outline {
         let (&[x, ..], &[y, ..]) = (xs, ys) else { return 0 };
         let height = f64::from(self.height);
         self.rows.iter_mut().zip(ys).for_each(|(row, &y)| *row = grid::first_within(y, height));
-        // Most edges of fine outlines meet no scanline: those that do are put down without a branch.
-        let rows = &self.rows[..xs.len()];
-        let mut meet = 0_u8;
-        for (i, pair) in rows.windows(2).enumerate() {
-            self.meeting[usize::from(meet)] = i as u8;
-            meet += u8::from(pair[0] != pair[1]);
-        }
+        let last = xs.len() - 1;
+        // Behind the last nothing differs.
+        let end = self.rows[last];
+        self.rows[last + 1..][..BLOCK].fill(end);
         let first = Vertex { point: [x, y], row: self.rows[0] };
         let [start, before] = self.ring.unwrap_or([first; 2]);
         if before.row != first.row {
             self.between(before, first, add);
         }
-        for i in 0..usize::from(meet) {
-            // Which end is the upper one is as good as random: it is looked up, not asked.
-            let from = usize::from(self.meeting[i]);
-            let [before, behind] = [self.rows[from], self.rows[from + 1]];
-            let downwards = before < behind;
-            let (top, bottom) = (from + usize::from(!downwards), from + usize::from(downwards));
-            let rows = before.min(behind)..before.max(behind);
-            self.edge((xs[top], ys[top]), (xs[bottom], ys[bottom]), rows, downwards, add);
+        // Most edges of fine outlines meet no scanline.
+        for start in (0..last).step_by(BLOCK) {
+            let mut meet = differing(self.rows[start..].first_chunk().expect("there is room for one more block"));
+            while meet != 0 {
+                let from = start + meet.trailing_zeros() as usize;
+                meet &= meet - 1;
+                // Which end is the upper one is as good as random: it is looked up, not asked.
+                let [before, behind] = [self.rows[from], self.rows[from + 1]];
+                let downwards = before < behind;
+                let (top, bottom) = (from + usize::from(!downwards), from + usize::from(downwards));
+                let rows = before.min(behind)..before.max(behind);
+                self.edge((xs[top], ys[top]), (xs[bottom], ys[bottom]), rows, downwards, add);
+            }
         }
-        let last = xs.len() - 1;
-        self.ring = Some([start, Vertex { point: [xs[last], ys[last]], row: self.rows[last] }]);
+        self.ring = Some([start, Vertex { point: [xs[last], ys[last]], row: end }]);
         let differ = |[a, b]: [f64; 2], [c, d]: [f64; 2]| u64::from((a != c) | (b != d));
         let pairs = xs.iter().zip(&xs[1..]).zip(ys.iter().zip(&ys[1..]));
         differ(before.point, first.point) + pairs.fold(0, |seen, ((&a, &c), (&b, &d))| seen + differ([a, b], [c, d]))

@@ -159,6 +159,7 @@ struct Pieces<'p> {
 
 impl<'p> Pieces<'p> {
     /// The next verb or, as long outlines are mostly lines, run of lines, with its points.
+    #[inline]
     fn take(&mut self, verb: Verb) -> &'p [Point] {
         let (verbs, points) = match verb {
             Verb::Move => (1, 1),
@@ -182,6 +183,7 @@ impl<'p> Pieces<'p> {
 impl<'p> Iterator for Pieces<'p> {
     type Item = Piece<'p>;
 
+    #[inline]
     fn next(&mut self) -> Option<Piece<'p>> {
         let mut verb = *self.verbs.first()?;
         while verb == Verb::Close && !self.open {
