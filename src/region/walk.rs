@@ -19,8 +19,8 @@
 //! ```
 //!
 //! Counting begins at the first group that differs, and ends where the windings passed in one list and in the other are the same again, shape by shape. That is the
-//! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped each shape has the winding that it had behind its last edge
-//! there, so a few edges are looked at, from the stretch's end, where shapes are few.
+//! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped the windings are those that were put down when it was counted
+//! (`state`).
 
 use crate::edge::Side;
 use crate::sweep::{Entry, Sweep};
@@ -48,14 +48,12 @@ pub(super) struct Walk {
     /// The boundaries before the last count.
     before: Vec<Boundary>,
     difference: Difference,
-    windings: Windings,
 }
 
 impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
         let difference = Difference(vec![0; picture.program.leaves()]);
-        let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.leaves()], stretch: 0 };
-        Walk { state: picture.start.clone(), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
+        Walk { state: picture.start.clone(), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference }
     }
 
     /// Where the visible ink changes on the line that was counted last.
@@ -72,8 +70,8 @@ impl Walk {
     pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let new = sweep.list();
         self.boundaries.clear();
-        self.windings.behind.resize(sweep.tags().len(), 0);
-        let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries, &mut self.windings);
+        self.state.resize(sweep.tags().len());
+        let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries);
         let mut i = 0;
         while i < new.len() {
             i = line.group(i);
@@ -88,8 +86,8 @@ impl Walk {
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
         std::mem::swap(&mut self.boundaries, &mut self.before);
         self.boundaries.clear();
-        self.windings.behind.resize(sides.len(), 0);
-        let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries, &mut self.windings);
+        self.state.resize(sides.len());
+        let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries);
         let difference = &mut self.difference;
         let mut counted = 0;
         // The boundary at the left side stands already.
@@ -160,7 +158,6 @@ struct Line<'a> {
     list: &'a [Entry],
     state: &'a mut State,
     boundaries: &'a mut Vec<Boundary>,
-    windings: &'a mut Windings,
     /// What is visible here.
     ink: u32,
 }
@@ -173,11 +170,10 @@ impl<'a> Line<'a> {
         list: &'a [Entry],
         state: &'a mut State,
         boundaries: &'a mut Vec<Boundary>,
-        windings: &'a mut Windings,
     ) -> Line<'a> {
         let ink = state.ink(&picture.inks);
         boundaries.push(Boundary { edge: LEFT_SIDE, ink });
-        Line { picture, sides, list, state, boundaries, windings, ink }
+        Line { picture, sides, list, state, boundaries, ink }
     }
 
     fn boundary(&mut self, edge: usize, ink: u32) {
@@ -194,27 +190,14 @@ impl<'a> Line<'a> {
 
     /// Goes to the end of a stretch whose boundaries are known.
     fn skip(&mut self, edges: std::ops::Range<usize>) {
-        let Windings { behind, seen, stretch } = &mut *self.windings;
-        *stretch += 1;
-        let mut unseen = self.picture.outlines.leaves;
-        for entry in self.list[edges].iter().rev() {
-            let leaf = self.sides[entry.slot()].leaf;
-            if std::mem::replace(&mut seen[leaf as usize], *stretch) != *stretch {
-                self.state.set(leaf, behind[entry.slot()]);
-                unseen -= 1;
-                if unseen == 0 {
-                    break;
-                }
-            }
-        }
-        self.state.settle(&self.picture.program);
+        self.state.skip(self.picture, self.sides, &self.list[edges]);
         debug_assert_eq!(self.ink, self.state.ink(&self.picture.inks), "the boundaries that were known are right");
     }
 
     /// Counts the group that begins at an index, and gives the index behind it.
     #[inline(always)]
     fn group(&mut self, edge: usize) -> usize {
-        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, &mut self.windings.behind);
+        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge);
         if ink != self.ink {
             self.boundary(edge, ink);
         }
@@ -226,20 +209,15 @@ impl<'a> Line<'a> {
 #[inline]
 fn equal(a: &[Entry], b: &[Entry]) -> usize {
     const BLOCK: usize = 16;
-    let same = |(a, b): &(&[Entry], &[Entry])| a.iter().zip(*b).fold(true, |same, (a, b)| same & a.is_same(*b));
-    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(same).count();
-    let start = blocks * BLOCK;
+    let (a_blocks, b_blocks) = (a.as_chunks::<BLOCK>().0, b.as_chunks::<BLOCK>().0);
+    for (block, (a, b)) in a_blocks.iter().zip(b_blocks).enumerate() {
+        let differ = (0..BLOCK).fold(0, |bits, i| bits | u32::from(!a[i].is_same(b[i])) << i);
+        if differ != 0 {
+            return block * BLOCK + differ.trailing_zeros() as usize;
+        }
+    }
+    let start = a_blocks.len().min(b_blocks.len()) * BLOCK;
     start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a.is_same(**b)).count()
-}
-
-/// Windings of the shapes along the line that was counted last.
-#[derive(Clone, Debug)]
-struct Windings {
-    /// By slot: the winding of its own shape behind an edge.
-    behind: Vec<i32>,
-    /// By leaf: the number of the last stretch in which it was seen.
-    seen: Vec<u64>,
-    stretch: u64,
 }
 
 /// By leaf: windings passed in one list less those passed in the other.
