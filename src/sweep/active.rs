@@ -261,11 +261,13 @@ impl<T: Copy> Sweep<T> {
     /// sorting. True if something was out of order.
     fn settle(&mut self) -> bool {
         // Columns of a page are below 2^31: signed numbers, many of which are compared at once.
-        let sorted = |columns: &[u32]| columns.windows(2).fold(true, |sorted, pair| sorted & (pair[0] as i32 <= pair[1] as i32));
+        let sorted = |columns: &[u32; BLOCK + 1]| (0..BLOCK).fold(true, |sorted, i| sorted & (columns[i] as i32 <= columns[i + 1] as i32));
         let mut budget = 4 * self.columns.len() + 64;
-        for start in (1..self.columns.len()).step_by(BLOCK) {
-            let end = self.columns.len().min(start + BLOCK);
-            if sorted(&self.columns[start - 1..end]) {
+        let mut end = 1;
+        while end < self.columns.len() {
+            let (start, rest) = (end, &self.columns[end - 1..]);
+            end = self.columns.len().min(start + BLOCK);
+            if rest.first_chunk().map_or_else(|| rest.is_sorted(), sorted) {
                 continue;
             }
             for i in start..end {
