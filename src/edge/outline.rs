@@ -1,7 +1,8 @@
 //! A ring of points becomes chains of edges that run in one vertical direction.
 //!
 //! Points come in parts, so that a ring of any length passes through a small buffer. Edges that meet no scanline of the page are dropped (they
-//! cannot change a pixel), edges left of the page become vertical at column 0 (they still count), edges right of it are dropped.
+//! cannot change a pixel), edges between two pixels' centres become vertical, those left of the page too, at column 0 (they still count), edges right of it are
+//! dropped.
 //! What remains of one direction stays one chain, whatever was dropped between, so the next edge of an outline takes the place of the one before
 //! without an event.
 //!
@@ -71,11 +72,8 @@ impl Chain {
     fn push(&mut self, stretch: Stretch) {
         match self.stretches.last_mut() {
             Some(end) if end.edge.line == stretch.edge.line && end.edge.line.is_vertical() => {
-                if self.downwards {
-                    end.edge.last = stretch.edge.last
-                } else {
-                    end.first = stretch.first
-                }
+                end.first = end.first.min(stretch.first);
+                end.edge.last = end.edge.last.max(stretch.edge.last);
             }
             _ => self.stretches.push(stretch),
         }

@@ -77,7 +77,7 @@ impl Line {
     }
 
     /// The line through two points in 1/256 px, `top` above `bottom`, at scanline `row`, the first of `rows` that it meets on a page of `width` columns.
-    /// None if it leaves the page at a side, or is too tall or its ends too far out for one line: see [`exact::pieces`].
+    /// Between two centres of pixels it is vertical. None if it leaves the page at a side, or is too tall for one line: see [`exact::pieces`].
     #[inline]
     pub fn through(top: [i64; 2], bottom: [i64; 2], row: u32, rows: u32, width: u32) -> Option<Line> {
         // Between the ends' columns lie all others, and with ends on the page 64 bits hold every product below.
