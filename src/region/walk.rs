@@ -31,19 +31,19 @@ use super::state::State;
 /// A place where the visible ink changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Boundary {
-    /// Index into the active list of the first of the edges in its column; [`LEFT_SIDE`] for what holds before any.
+    /// Index into the active list of the first of the edges in its column.
     pub(super) edge: u32,
     /// The ink from there on, or [`super::PAPER`].
     pub(super) ink: u32,
 }
-
-pub(super) const LEFT_SIDE: u32 = u32::MAX;
 
 /// What is known of the line that was counted last.
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
     state: State,
     list: Vec<Entry>,
+    /// The ink at the left side of every scanline.
+    left: u32,
     boundaries: Vec<Boundary>,
     /// The boundaries before the last count.
     before: Vec<Boundary>,
@@ -53,12 +53,13 @@ pub(super) struct Walk {
 impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
         let difference = Difference(vec![0; picture.program.leaves()]);
-        Walk { state: picture.start.clone(), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference }
+        let left = picture.start.ink(&picture.inks);
+        Walk { state: picture.start.clone(), list: Vec::new(), left, boundaries: Vec::new(), before: Vec::new(), difference }
     }
 
-    /// Where the visible ink changes on the line that was counted last.
-    pub(super) fn boundaries(&self) -> &[Boundary] {
-        &self.boundaries
+    /// The ink at the left side, and where it changes on the line that was counted last.
+    pub(super) fn boundaries(&self) -> (u32, &[Boundary]) {
+        (self.left, &self.boundaries)
     }
 
     /// About what a crossing costs where the whole list is counted, in the units of [`super::STEP`].
@@ -90,8 +91,7 @@ impl Walk {
         let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries);
         let difference = &mut self.difference;
         let mut counted = 0;
-        // The boundary at the left side stands already.
-        let mut kept = 1;
+        let mut kept = 0;
         let (mut i, mut j) = (0, 0);
         loop {
             // What is equal, up to the group that what differs belongs to.
@@ -103,7 +103,7 @@ impl Walk {
                 }
             }
             kept += self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j).count();
-            let known = self.before[kept..].partition_point(|boundary| (boundary.edge as usize) < j + same);
+            let known = in_front(&self.before[kept..], (j + same) as u32);
             line.keep(&self.before[kept..kept + known], i as u32, j as u32);
             kept += known;
             line.skip(i..i + same);
@@ -172,7 +172,6 @@ impl<'a> Line<'a> {
         boundaries: &'a mut Vec<Boundary>,
     ) -> Line<'a> {
         let ink = state.ink(&picture.inks);
-        boundaries.push(Boundary { edge: LEFT_SIDE, ink });
         Line { picture, sides, list, state, boundaries, ink }
     }
 
@@ -203,6 +202,14 @@ impl<'a> Line<'a> {
         }
         next
     }
+}
+
+/// How many boundaries stand in front of an edge: few of many, as a rule, so they are passed in blocks.
+#[inline]
+fn in_front(boundaries: &[Boundary], edge: u32) -> usize {
+    const BLOCK: usize = 8;
+    let start = BLOCK * boundaries.as_chunks::<BLOCK>().0.iter().take_while(|block| block[BLOCK - 1].edge < edge).count();
+    start + boundaries[start..].iter().take_while(|boundary| boundary.edge < edge).count()
 }
 
 /// How long two lists are equal.
