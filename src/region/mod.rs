@@ -211,7 +211,7 @@ impl Rows {
         let toggles = if whole || self.busy > 0 {
             self.busy = self.busy.saturating_sub(1);
             self.counting = all;
-            self.walk.whole(&self.picture, &self.sweep)
+            self.walk.whole(&self.picture, &self.sweep, self.busy == 0)
         } else {
             let toggles = self.walk.changes(&self.picture, &self.sweep);
             self.counting = CHANGE * toggles;

@@ -102,10 +102,10 @@ impl State {
         }
     }
 
-    /// Crosses the edges of the group that begins at `edge`, and puts down by slot what the windings are behind them. Gives
+    /// Crosses the edges of the group that begins at `edge`, and if it is to be `known` puts down by slot what the windings are behind them. Gives
     /// the index behind the group, and the ink there.
     #[inline(always)]
-    pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize) -> (usize, u32) {
+    pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize, known: bool) -> (usize, u32) {
         let tied = |edge: usize| list.get(edge).is_some_and(|entry| entry.is_tied());
         let mut slot = list[edge].slot();
         let mut next = edge + 1;
@@ -117,7 +117,9 @@ impl State {
                     table.add(sides[slot]);
                     next += 1;
                 }
-                table.behind[slot] = (table.counts, table.inside);
+                if known {
+                    table.behind[slot] = (table.counts, table.inside);
+                }
                 (next, table.inks[table.inside])
             }
             State::Program(Counted { counters, layers, behind, .. }) => {

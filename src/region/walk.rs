@@ -67,21 +67,21 @@ impl Walk {
         if let State::Table(_) = self.state { 3 } else { 8 }
     }
 
-    /// Counts the whole list. Gives the number of crossings counted.
-    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
+    /// Counts the whole list, so that if it is to be `known` [`Walk::changes`] can go on from it. Gives the number of crossings counted.
+    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>, known: bool) -> usize {
         let new = sweep.list();
         self.boundaries.clear();
         self.state.resize(sweep.tags().len());
         let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries);
         let mut i = 0;
         while i < new.len() {
-            i = line.group(i);
+            i = line.group(i, known);
         }
         self.finish(picture, sweep);
         sweep.list().len()
     }
 
-    /// Counts what differs from the line that was counted last. Gives the number of crossings counted.
+    /// Counts what differs from the line that was counted last, which is known. Gives the number of crossings counted.
     pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let (new, old, sides) = (sweep.list(), &self.list, sweep.tags());
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
@@ -115,7 +115,7 @@ impl Walk {
             let start = i;
             let mut unequal = 0;
             while i < new.len() && (unequal != 0 || i == start || !old.get(j).is_some_and(|entry| entry.is_same(new[i]))) {
-                let end = line.group(i);
+                let end = line.group(i, true);
                 for entry in &new[i..end] {
                     unequal += difference.pass(sides[entry.slot()], 1);
                     // What stands in its place in the other list, and what stood before that and has ended.
@@ -195,8 +195,8 @@ impl<'a> Line<'a> {
 
     /// Counts the group that begins at an index, and gives the index behind it.
     #[inline(always)]
-    fn group(&mut self, edge: usize) -> usize {
-        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge);
+    fn group(&mut self, edge: usize, known: bool) -> usize {
+        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, known);
         if ink != self.ink {
             self.boundary(edge, ink);
         }
