@@ -32,8 +32,9 @@ pub(super) struct Table {
     outside: usize,
     /// By the leaves that hold.
     inks: Vec<u32>,
-    /// By slot: `counts` and `inside` behind the group that the edge is the last of.
-    behind: Vec<([i32; FEW], usize)>,
+    leaves: usize,
+    /// By slot, and by leaf: `counts` behind the group that the edge is the last of.
+    behind: Vec<i32>,
 }
 
 /// Counters, and the layers that hold.
@@ -69,7 +70,7 @@ impl State {
     /// Makes room for what is known of so many slots.
     pub(super) fn resize(&mut self, slots: usize) {
         match self {
-            State::Table(table) => table.behind.resize(slots, ([0; FEW], 0)),
+            State::Table(table) => table.behind.resize(slots * table.leaves, 0),
             State::Program(counted) => counted.behind.resize(slots, 0),
         }
     }
@@ -80,7 +81,13 @@ impl State {
         match self {
             State::Table(table) => {
                 if let Some(last) = stretch.last() {
-                    (table.counts, table.inside) = table.behind[last.slot()];
+                    for leaf in 0..table.leaves {
+                        let winding = table.behind[last.slot() * table.leaves + leaf] - table.counts[leaf];
+                        // A leaf that holds everywhere has no edges, and no count that says so.
+                        if winding != 0 {
+                            table.add(Side { leaf: leaf as u32, winding });
+                        }
+                    }
                 }
             }
             State::Program(counted) => counted.skip(picture, sides, stretch),
@@ -118,7 +125,8 @@ impl State {
                     next += 1;
                 }
                 if known {
-                    table.behind[slot] = (table.counts, table.inside);
+                    let behind = &mut table.behind[slot * table.leaves..][..table.leaves];
+                    behind.iter_mut().zip(&table.counts).for_each(|(behind, count)| *behind = *count);
                 }
                 (next, table.inks[table.inside])
             }
@@ -172,7 +180,7 @@ impl Table {
         let rule = |leaf: usize| program.rule(leaf as u32);
         // A count that makes a leaf hold, and one that does not; leaves that hold everywhere have no edges.
         let count = |leaf: usize, holds: bool| if let Rule::AtLeast(k) = rule(leaf) { k - i32::from(!holds) } else { i32::from(holds) };
-        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, outside: 0, inks: Vec::new(), behind: Vec::new() };
+        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, outside: 0, inks: Vec::new(), leaves, behind: Vec::new() };
         for leaf in 0..leaves {
             table.masks[leaf] = if rule(leaf) == Rule::Odd { 1 } else { -1 };
             table.inside |= usize::from(rule(leaf).holds(0)) << leaf;
