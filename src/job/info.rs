@@ -55,8 +55,8 @@ pub fn info(scene: &Scene) -> Result<Info> {
         let (mut bounds, mut edges) = (None, 0);
         let transform = shape.transform.then_place(unplaced.scale, unplaced.offset);
         shape.rings(&transform, &how, |part| {
-            edges += part.points.len() as u64;
-            part.points.iter().for_each(|&[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
+            edges += part.xs.len() as u64;
+            part.points().for_each(|[x, y]| bounds = Some(join(bounds, [x, y, x, y])));
             Ok(())
         })?;
         Ok((bounds, edges))
