@@ -109,7 +109,7 @@ pub async fn read(
 pub async fn head(State(service): State<Service>, Id(id): Id, headers: HeaderMap) -> Result<Response, Problem> {
     let live = service.jobs.find(&id)?;
     let mut response = about(&live, &headers)?.unwrap_or_else(|unchanged| unchanged);
-    if response.status() == StatusCode::OK && !response.headers().contains_key(CONTENT_LENGTH) {
+    if !response.headers().contains_key(CONTENT_LENGTH) {
         // An empty body would tell a length of 0.
         *response.body_mut() = Body::from_stream(futures_util::stream::empty::<Result<axum::body::Bytes, std::convert::Infallible>>());
     }
