@@ -153,8 +153,7 @@ fn etag(live: &Live) -> ETag {
 fn wanted(live: &Live, headers: &HeaderMap, length: Option<u64>) -> Result<Wanted, Problem> {
     let Some(range) = headers.get(RANGE).and_then(|range| range.to_str().ok()) else { return Ok(Wanted::All) };
     // Dates say nothing here: a tag that is another, or none, means the whole.
-    if headers.contains_key(IF_RANGE)
-        && !headers.typed_get::<IfRange>().is_some_and(|if_range| !if_range.is_modified(Some(&etag(live)), None))
+    if headers.contains_key(IF_RANGE) && headers.typed_get::<IfRange>().is_none_or(|if_range| if_range.is_modified(Some(&etag(live)), None))
     {
         return Ok(Wanted::All);
     }
