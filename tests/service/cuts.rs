@@ -6,6 +6,9 @@ use runset::encode::FORMATS;
 
 use crate::support::{Folder, Rng, SCENE, Server, art, by_command_line, effort, header, triangle};
 
+/// A drawing: its name, the document, options and their values.
+type Drawing = (&'static str, Vec<u8>, &'static [(&'static str, &'static str)]);
+
 /// A job, and the bytes that its raster has to have.
 struct Target {
     job: String,
@@ -17,7 +20,7 @@ struct Target {
 /// Jobs in all formats of several drawings, one ink and many, their rasters compared with the command line's.
 fn targets(server: &Server) -> Vec<Target> {
     let poster = art("poster.svg");
-    let drawings: [(&str, Vec<u8>, &[(&str, &str)]); 5] = [
+    let drawings: [Drawing; 5] = [
         ("small", SCENE.into(), &[]),
         ("inks", poster.clone(), &[("width", "900")]),
         ("plate", poster, &[("width", "1500"), ("expr", "art & frame - logo")]),

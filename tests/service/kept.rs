@@ -66,11 +66,14 @@ fn documents_have_room() {
     let folder = Folder::new();
     let server = Server::start(&folder.data(), &["--max-store", "2k"]);
     let large = format!("{SCENE}{}", " ".repeat(900));
-    let made = [(); 1].map(|()| server.job("", &large));
-    server.post_job("", &[], large.repeat(1) + &" ".repeat(1000)).problem(507, "store-full");
-    server.get(&format!("{}/raster", made[0])).ok(200);
-    server.post_job("", &[], large.clone() + &" ".repeat(1000)).problem(507, "store-full");
-    server.job("", SCENE);
+    let done = server.job("", &large);
+    let larger = large + &" ".repeat(900);
+    server.post_job("", &[], &larger).problem(507, "store-full");
+    server.get(&format!("{done}/raster")).ok(200);
+    let kept = server.job("", &larger);
+    server.get(&done).problem(404, "no-job");
+    server.post_job("", &[], larger + &" ".repeat(900)).problem(507, "store-full");
+    assert_eq!(ids(&server), [kept.rsplit('/').next().unwrap()], "what is larger than the store moves nothing that is not done");
     assert_eq!(folder.documents(), ids(&server));
 }
 
