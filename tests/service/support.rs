@@ -360,8 +360,13 @@ impl Folder {
 
 /// The ids of all jobs, sorted.
 pub fn ids(server: &Server) -> Vec<String> {
-    let all = server.get("/v1/jobs?limit=1000").ok(200).json();
-    let mut ids: Vec<_> = all["jobs"].as_array().unwrap().iter().map(|job| job["id"].as_str().unwrap().to_owned()).collect();
+    let (mut ids, mut after) = (Vec::new(), String::new());
+    loop {
+        let page = server.get(&format!("/v1/jobs?limit=1000{after}")).ok(200).json();
+        ids.extend(page["jobs"].as_array().unwrap().iter().map(|job| job["id"].as_str().unwrap().to_owned()));
+        let Some(next) = page["next"].as_str() else { break };
+        after = format!("&after={next}");
+    }
     ids.sort();
     ids
 }
