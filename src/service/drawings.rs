@@ -45,7 +45,7 @@ pub type Source = Box<dyn FnOnce() -> io::Result<Vec<u8>> + Send>;
 pub struct Drawings {
     config: Arc<Config>,
     known: Mutex<Known>,
-    preparing: Semaphore,
+    preparing: Arc<Semaphore>,
     waiting: Arc<Semaphore>,
 }
 
@@ -77,7 +77,7 @@ impl Drawings {
     pub fn new(config: Arc<Config>) -> Drawings {
         Drawings {
             known: Mutex::default(),
-            preparing: Semaphore::new(config.max_preparing),
+            preparing: Arc::new(Semaphore::new(config.max_preparing)),
             waiting: Arc::new(Semaphore::new(config.max_waiting + config.max_preparing)),
             config,
         }
@@ -93,9 +93,16 @@ impl Drawings {
     /// What is wrong with the document or what is asked of it; too many wait.
     pub async fn get(&self, key: Key, options: Options, source: Source) -> Result<Shared, Problem> {
         let cell = self.cell(key);
-        let drawing = cell.get_or_try_init(|| self.prepare(options, source)).await?.clone();
+        let shared = match cell.get_or_try_init(|| self.prepare(options, source)).await {
+            Ok(drawing) => Ok(Shared { drawing: drawing.clone(), _cell: cell }),
+            Err(problem) => {
+                // Nothing of what failed stays.
+                drop(cell);
+                Err(problem)
+            }
+        };
         self.trim();
-        Ok(Shared { drawing, _cell: cell })
+        shared
     }
 
     fn cell(&self, key: Key) -> Arc<OnceCell<Arc<Drawing>>> {
@@ -111,10 +118,10 @@ impl Drawings {
 
     async fn prepare(&self, mut options: Options, source: Source) -> Result<Arc<Drawing>, Problem> {
         let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
-        let _waits = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
-        let _preparing = {
+        let place = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
+        let preparing = {
             let _waits = meters::Waits::new("preparations");
-            self.preparing.acquire().await.map_err(Problem::internal)?
+            self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?
         };
         if self.weight() > self.config.max_drawings {
             return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
@@ -122,7 +129,12 @@ impl Drawings {
         let config = self.config.clone();
         options.limits = config.limits;
         options.started = Instant::now();
-        let made = tokio::task::spawn_blocking(move || prepare(&config, &options, source)).await;
+        let made = tokio::task::spawn_blocking(move || {
+            // It goes on when the client has gone, and counts until it ends.
+            let _places = (place, preparing);
+            prepare(&config, &options, source)
+        });
+        let made = made.await;
         made.map_err(Problem::internal)?.map(Arc::new)
     }
 
@@ -167,7 +179,13 @@ impl Drawings {
 }
 
 fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
-    let bytes = source().map_err(|error| Problem::internal(format!("a document cannot be read: {error}")))?;
+    let bytes = source().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::internal(format!("a document cannot be read: {error}")),
+        _ => {
+            tracing::error!("a document cannot be read: {error}");
+            Problem::busy("store", "the document cannot be read at the moment: try again later", 5)
+        }
+    })?;
     let mut warnings = Vec::new();
     let scene = input::read_with(bytes, &options.limits, &config.fonts, &mut warnings)?;
     if let Some(warning) = warnings.iter().find(|warning| warning.outside) {
