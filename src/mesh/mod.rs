@@ -7,8 +7,10 @@
 pub mod build;
 pub mod check;
 pub mod extrude;
+pub mod hull;
 pub mod outline;
 pub mod primitive;
+pub mod section;
 pub mod triangles;
 pub mod turn;
 

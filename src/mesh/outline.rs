@@ -39,12 +39,12 @@ impl Outline {
         Outline { contours: vec![contour], simple: true }
     }
 
-    /// What lies inside an odd number of contours.
+    /// What lies inside an odd number of the contours.
     ///
     /// # Errors
     /// Too many crossings.
-    pub fn odd(contours: &[Contour]) -> Result<Outline, Tangled> {
-        overlay(contours, &[], OverlayRule::Subject, FillRule::EvenOdd).map(Outline::of_shapes)
+    pub fn odd(self) -> Result<Outline, Tangled> {
+        overlay(&self.contours, &[], OverlayRule::Subject, FillRule::EvenOdd).map(Outline::of_shapes)
     }
 
     /// What contours run around, those counterclockwise once, those clockwise as holes.
@@ -55,6 +55,16 @@ impl Outline {
     fn of_shapes(shapes: Shapes) -> Outline {
         let contours: Vec<Contour> = shapes.into_iter().flatten().collect();
         Outline { simple: contours.len() == 1, contours }
+    }
+
+    /// The contours.
+    pub fn contours(&self) -> &[Contour] {
+        &self.contours
+    }
+
+    /// The largest coordinate; not a number if one is none.
+    pub fn farthest(&self) -> f64 {
+        self.contours.iter().flatten().flatten().fold(0.0, |most: f64, x| if x.abs() <= most { most } else { x.abs() })
     }
 
     /// The number of corners.
@@ -235,6 +245,6 @@ mod tests {
     #[test]
     fn tangles_are_refused() {
         let points = (0..4000).map(|i| [f64::from(i % 2) * 1e4 + f64::from(i * 7 % 13), f64::from(i * 2741 % 4001)]).collect::<Vec<_>>();
-        assert_eq!(Outline::odd(&[points]).err(), Some(Tangled));
+        assert_eq!(Outline::around(vec![points]).odd().err(), Some(Tangled));
     }
 }
