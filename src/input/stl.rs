@@ -105,7 +105,9 @@ impl<'t> Text<'t> {
                     return Err(too_many(limits));
                 }
                 self.expect("normal")?;
-                (0..3).for_each(|_| drop(self.word()));
+                for _ in 0..3 {
+                    self.word();
+                }
                 self.expect("outer")?;
                 self.expect("loop")?;
                 let mut ring = Vec::with_capacity(3);

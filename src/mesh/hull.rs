@@ -60,7 +60,7 @@ pub fn solid(points: &[Point]) -> Mesh {
     let mut on: HashMap<[u32; 2], usize> = HashMap::default();
     let add = |facets: &mut Vec<Option<Facet>>, on: &mut HashMap<[u32; 2], usize>, corners: [u32; 3], candidates: &mut Vec<u32>| {
         let [p, q, r] = corners;
-        [[p, q], [q, r], [r, p]].into_iter().for_each(|edge| drop(on.insert(edge, facets.len())));
+        on.extend([[p, q], [q, r], [r, p]].map(|edge| (edge, facets.len())));
         let (outside, left) = candidates.drain(..).partition(|&i| sees(corners, i));
         *candidates = left;
         facets.push(Some(Facet { corners, outside }));

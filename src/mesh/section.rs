@@ -2,39 +2,46 @@
 
 use foldhash::HashMap;
 
-use super::check::{normal, placed};
+use super::check::{edges, normal, placed};
 use super::outline::{Contour, Outline};
-use super::triangles::triangles;
-use super::{Face, Matrix, Mesh, Part, Point};
+use super::{Matrix, Mesh, Part, Point};
 
-/// A mesh at its place, closed, all its faces triangles.
-fn cut(mesh: &Mesh, matrix: &Matrix) -> (Vec<Point>, Vec<[u32; 3]>) {
+/// A mesh at its place, closed.
+fn closed(mesh: &Mesh, matrix: &Matrix) -> Mesh {
     let part = Part { mesh: mesh.clone().into(), matrix: *matrix, color: None, kind: "", place: None };
-    let mesh = placed(&part).mesh;
-    let triangles = mesh.faces.iter().flat_map(|face| triangles(&mesh.points, face)).collect();
-    (mesh.points, triangles)
+    placed(&part).mesh
 }
 
 /// What the solid covers of the plane z = 0. It is closed: a face that lies in the plane belongs to it, on whichever side the solid is.
 pub fn section(mesh: &Mesh, matrix: &Matrix) -> Outline {
-    let (points, triangles) = cut(mesh, matrix);
+    let mesh = closed(mesh, matrix);
     // Just below the plane and just above it: a corner in the plane counts once as above, once as below.
     let sides = [|z: f64| z >= 0.0, |z: f64| z > 0.0];
-    Outline::union(sides.map(|above| Outline::around(loops(&points, &triangles, above))))
+    Outline::union(sides.map(|above| Outline::around(loops(&mesh, above))))
 }
 
 /// The rings in which the surface passes from below to above, what is solid on their left.
-fn loops(points: &[Point], triangles: &[[u32; 3]], above: impl Fn(f64) -> bool) -> Vec<Contour> {
+fn loops(Mesh { points, faces }: &Mesh, above: impl Fn(f64) -> bool) -> Vec<Contour> {
     let up = |i: u32| above(points[i as usize][2]);
-    // Every triangle that passes leads from the edge on which it goes down to that on which it goes up.
+    let pass = |[a, b]: [u32; 2]| {
+        if up(b) { crossing(points[a as usize], points[b as usize]) } else { crossing(points[b as usize], points[a as usize]) }
+    };
+    // A face leads from edges on which it goes down to edges on which it goes up, along the line that it shares with the plane.
     let mut ways: Vec<([u32; 2], [u32; 2])> = Vec::new();
-    for &[a, b, c] in triangles {
-        let edges = [[a, b], [b, c], [c, a]];
-        let down = edges.iter().find(|e| up(e[0]) && !up(e[1]));
-        let rise = edges.iter().find(|e| !up(e[0]) && up(e[1]));
-        if let (Some(&down), Some(&rise)) = (down, rise) {
-            ways.push((down, rise));
+    for face in faces {
+        let (normal, _) = normal(points, face);
+        let along = |edge: &[u32; 2]| {
+            let [x, y] = pass(*edge);
+            normal[0] * y - normal[1] * x
+        };
+        let [mut downs, mut rises] =
+            [true, false].map(|down| edges(face).filter(|e| up(e[0]) == down && up(e[1]) != down).collect::<Vec<_>>());
+        if downs.len() > 1 {
+            for list in [&mut downs, &mut rises] {
+                list.sort_by(|a, b| along(a).total_cmp(&along(b)));
+            }
         }
+        ways.extend(downs.into_iter().zip(rises));
     }
     let mut from: HashMap<[u32; 2], Vec<usize>> = HashMap::default();
     for (i, (down, _)) in ways.iter().enumerate() {
@@ -48,7 +55,7 @@ fn loops(points: &[Point], triangles: &[[u32; 3]], above: impl Fn(f64) -> bool) 
         while let Some(i) = next.filter(|&i| !used[i]) {
             used[i] = true;
             let (_, [low, high]) = ways[i];
-            contour.push(crossing(points[low as usize], points[high as usize]));
+            contour.push(pass([low, high]));
             let others = from.get_mut(&[high, low]);
             next = others.and_then(|others| std::iter::from_fn(|| others.pop()).find(|&i| !used[i] || i == first));
         }
@@ -70,10 +77,10 @@ fn crossing(low: Point, high: Point) -> [f64; 2] {
 
 /// What the solid covers as seen along z: its faces that look up, together.
 pub fn shadow(mesh: &Mesh, matrix: &Matrix) -> Outline {
-    let (points, triangles) = cut(mesh, matrix);
-    let up = |t: &&[u32; 3]| normal(&points, &Face { rings: vec![t.to_vec()] }).0[2] > 0.0;
-    let flat = |t: &[u32; 3]| t.iter().map(|&i| [points[i as usize][0], points[i as usize][1]]).collect();
-    Outline::around(triangles.iter().filter(up).map(flat).collect())
+    let Mesh { points, faces } = closed(mesh, matrix);
+    let up = faces.iter().filter(|face| normal(&points, face).0[2] > 0.0);
+    let flat = |ring: &Vec<u32>| ring.iter().map(|&i| [points[i as usize][0], points[i as usize][1]]).collect();
+    Outline::around(up.flat_map(|face| &face.rings).map(flat).collect())
 }
 
 #[cfg(test)]
