@@ -9,8 +9,10 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod extents;
 mod gather;
 mod info;
+mod model;
 mod pump;
 mod queue;
 mod render;
@@ -19,6 +21,7 @@ mod stream;
 
 pub use convert::convert;
 pub use info::{Entry, Info, info};
+pub use model::{ModelEntry, ModelInfo, model_info};
 pub use size::{Size, lines};
 pub use stream::{Checkpoint, More, Stream};
 

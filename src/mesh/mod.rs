@@ -4,6 +4,16 @@
 //! [`Part`] is a mesh at its place, with a colour; a [`Model`] is parts and a [`Formula`] over them, the same as that of plane shapes. A
 //! part may stand at several places of the formula.
 
+pub mod build;
+pub mod check;
+pub mod extrude;
+pub mod hull;
+pub mod outline;
+pub mod primitive;
+pub mod section;
+pub mod triangles;
+pub mod turn;
+
 use std::sync::Arc;
 
 use crate::error::Place;
@@ -60,4 +70,39 @@ pub struct Model {
     pub formula: Formula,
     /// The whole.
     pub area: Area,
+}
+
+/// A point at its place.
+pub fn moved(matrix: &Matrix, [x, y, z]: Point) -> Point {
+    matrix.map(|[a, b, c, d]| a * x + b * y + c * z + d)
+}
+
+/// First `inner`, then `outer`.
+pub fn product(outer: &Matrix, inner: &Matrix) -> Matrix {
+    outer.map(|[a, b, c, d]| {
+        let column = |k: usize| a * inner[0][k] + b * inner[1][k] + c * inner[2][k];
+        [column(0), column(1), column(2), column(3) + d]
+    })
+}
+
+/// By what factor a matrix changes volumes; negative if it mirrors.
+pub fn determinant(m: &Matrix) -> f64 {
+    let row = |i: usize| [m[i][0], m[i][1], m[i][2]];
+    dot(row(0), cross(row(1), row(2)))
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length(a: Point) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
 }
