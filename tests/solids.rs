@@ -8,6 +8,7 @@ use glam::{DQuat, DVec3, EulerRot};
 use models::{Random, cube, moved, part, random_model, random_view, shifted, view};
 use runset::count::{Program, Rule};
 use runset::mesh::Model;
+use runset::mesh::check::all_placed;
 use runset::scene::{Area, Formula, Gate, compile};
 use runset::solid::body::{Body, Plane};
 use runset::solid::spans::{Savings, Spans};
@@ -22,7 +23,7 @@ fn effort() -> u64 {
 fn stage(model: &Model, view: View, sections: &[Plane]) -> Arc<Stage> {
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
     let _: &Program = &program;
-    Arc::new(Stage::new(Body::new(model), program, &leaves, view, sections))
+    Arc::new(Stage::new(Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections))
 }
 
 /// What a pixel shows: part, face, nearness.

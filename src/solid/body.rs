@@ -23,7 +23,8 @@ use std::collections::HashMap;
 use foldhash::fast::FixedState;
 use glam::DVec3;
 
-use crate::mesh::{Matrix, Model};
+use crate::mesh::check::Placed;
+use crate::mesh::{Mesh, Model};
 
 /// How far apart things are that count as one, in terms of the model's size.
 pub const SAME: f64 = 1e-9;
@@ -93,11 +94,12 @@ pub struct Body {
 }
 
 impl Body {
-    /// The faces and edges of a model's parts. Those of a mirrored part are turned around; faces without an area and edges without a length are left out.
-    pub fn new(model: &Model) -> Body {
+    /// The faces and edges of a model's parts, which are given at their places ([`crate::mesh::check`]). Faces without an area and edges without a
+    /// length are left out.
+    pub fn new(model: &Model, placed: &[Placed]) -> Body {
         let mut raw = Raw::default();
-        for (part, index) in model.parts.iter().zip(0..) {
-            raw.add(part, index);
+        for (part, index) in placed.iter().zip(0..) {
+            raw.add(&part.mesh, index);
         }
         raw.finish(model)
     }
@@ -114,22 +116,16 @@ struct Raw {
 }
 
 impl Raw {
-    fn add(&mut self, part: &crate::mesh::Part, index: u32) {
+    fn add(&mut self, mesh: &Mesh, part: u32) {
         let before = self.points.len() as u32;
-        self.points.extend(part.mesh.points.iter().map(|&p| place(&part.matrix, p)));
-        let mirrored = is_mirror(&part.matrix);
-        for face in &part.mesh.faces {
+        self.points.extend(mesh.points.iter().map(|&p| DVec3::from_array(p)));
+        for face in &mesh.faces {
             let mut ends = Vec::with_capacity(face.rings.len());
             for ring in &face.rings {
-                let corners = ring.iter().map(|&corner| before + corner);
-                if mirrored {
-                    self.corners.extend(corners.rev())
-                } else {
-                    self.corners.extend(corners)
-                }
+                self.corners.extend(ring.iter().map(|&corner| before + corner));
                 ends.push(self.corners.len());
             }
-            self.faces.push((index, ends));
+            self.faces.push((part, ends));
         }
     }
 
@@ -187,16 +183,6 @@ impl Flat {
     fn corners(&self) -> impl Iterator<Item = u32> {
         self.rings.iter().flatten().copied()
     }
-}
-
-/// A point of a mesh at its place.
-pub fn place(m: &Matrix, p: [f64; 3]) -> DVec3 {
-    DVec3::from_array(m.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3]))
-}
-
-fn is_mirror(m: &Matrix) -> bool {
-    let [x, y, z] = [0, 1, 2].map(|i| DVec3::new(m[0][i], m[1][i], m[2][i]));
-    x.cross(y).dot(z) < 0.0
 }
 
 /// Half the sum of the cross products of neighbours, as seen from the first corner (Newell's normal).
