@@ -81,8 +81,7 @@ fn the_description_holds() {
         server.job(query, document);
     }
     let examples = (20 * effort(1)).to_string();
-    let checks =
-        "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,response_headers_conformance";
+    let checks = "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,response_headers_conformance,negative_data_rejection";
     let output = Command::new(tool("schemathesis"))
         .args(["run", &server.url("/openapi.json"), "--checks", checks, "--max-examples", &examples, "--seed", "7", "--workers", "1"])
         .current_dir(Path::new(&folder.file("")))
