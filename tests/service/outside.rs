@@ -78,11 +78,12 @@ fn the_description_holds() {
     let folder = Folder::new();
     let server = Server::start(&folder.data(), &["--max-pixels", "1000000"]);
     for (query, document) in [("?format=png&width=50", art("poster.svg")), ("", SCENE.into())] {
-        server.job(query, document);
+        let job = server.job(query, document);
+        // The events of what is done come to an end.
+        server.get(&format!("{job}/raster")).ok(200);
     }
     let examples = (20 * effort(1)).to_string();
-    let checks =
-        "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,response_headers_conformance";
+    let checks = "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,response_headers_conformance,negative_data_rejection";
     let output = Command::new(tool("schemathesis"))
         .args(["run", &server.url("/openapi.json"), "--checks", checks, "--max-examples", &examples, "--seed", "7", "--workers", "1"])
         .current_dir(Path::new(&folder.file("")))

@@ -133,14 +133,6 @@ impl Server {
     #[track_caller]
     pub fn run(mut command: Command, data: &Path) -> Server {
         let log = data.with_extension("log");
-        let mut child = command.stderr(std::fs::File::create(&log).unwrap()).spawn().unwrap();
-        let mut addr = None;
-        wait_until("the service listens", || {
-            let said = std::fs::read_to_string(&log).unwrap();
-            addr = said.lines().find_map(|line| line.strip_prefix("runset: listening on http://")?.split(',').next()?.parse().ok());
-            assert!(addr.is_some() || child.try_wait().unwrap().is_none(), "it has ended: {said}");
-            addr.is_some()
-        });
         let agent = ureq::Agent::config_builder()
             .http_status_as_error(false)
             .allow_non_standard_methods(true)
@@ -149,7 +141,16 @@ impl Server {
             .timeout_global(Some(Duration::from_secs(100)))
             .proxy(None)
             .build();
-        Server { addr: addr.unwrap(), child, agent: agent.into(), log }
+        let child = command.stderr(std::fs::File::create(&log).unwrap()).spawn().unwrap();
+        // From here on it is killed, whatever happens.
+        let mut server = Server { addr: ([0; 4], 0).into(), child, agent: agent.into(), log };
+        wait_until("the service listens", || {
+            let said = server.said();
+            let addr = said.lines().find_map(|line| line.strip_prefix("runset: listening on http://")?.split(',').next()?.parse().ok());
+            assert!(addr.is_some() || server.ended().is_none(), "it has ended: {said}");
+            addr.inspect(|addr| server.addr = *addr).is_some()
+        });
+        server
     }
 
     pub fn url(&self, path: &str) -> String {
