@@ -2,19 +2,19 @@
 //!
 //! It is taken over the rows from top to bottom. With one ink (or none) a row is 1 bit a pixel, painted = 1, most significant
 //! bit first, padded with zeros to a byte; with several inks it is one byte a pixel, 0 for paper and ink + 1, or two bytes,
-//! big-endian, past 255 inks.
+//! big-endian, past 255 inks. Of a shaded raster it is three bytes a pixel, red, green, blue, paper's colour among them.
 //!
 //! A CRC is linear: its register is a polynomial over GF(2) modulo the generator, and feeding a row takes it from `R` to
 //! `R·X + row`, where `X` is x to the number of bits of a row and `row` is what the row alone leaves in an empty register. So
 //!
 //! ```text
-//! row             = sum over its runs of value · (tail(start) + tail(end)),
+//! row             = paper · tail(0) + sum over its runs of (value + paper) · (tail(start) + tail(end)),
 //!                   tail(x) = what a row leaves whose pixels from x to the end are all 1: one table for every width
 //! R·X             = four look-ups, a table for each byte of R
 //! n equal rows    : n times that, or for many R·X^n + row·(1 + X + … + X^(n-1)), both factors by doubling
 //! ```
 //!
-//! Cost: two look-ups a run (with several inks also a multiplication by a byte) and four a line, at most as many as `STEPPED` lines
+//! Cost: two look-ups a run (with several inks or shaded also a multiplication by a pixel's bytes) and four a line, at most as many as `STEPPED` lines
 //! take a record, or some 100 steps for each doubling; the page is never expanded. The table of tails takes four bytes a pixel of the
 //! width, rounded up to a power of two, and is shared by all rasters of the process.
 //!
@@ -22,7 +22,7 @@
 
 use std::sync::OnceLock;
 
-use crate::run::{Header, Lines};
+use crate::run::{Header, Inks, Lines, ink_of};
 
 /// Up to so many equal rows are taken one by one: as long as that is less work than doubling.
 const STEPPED: u32 = 64;
@@ -35,6 +35,10 @@ pub struct Checksum {
     /// Width of a row with its padding, in pixels.
     width: u32,
     tails: &'static [Poly],
+    /// The ink of paper, where that is a colour; else 0.
+    paper: u32,
+    /// What a row of paper leaves.
+    blank: Poly,
     /// x to the number of bits of a row.
     row_shift: Poly,
     /// `by_row[i][v]` is the product of that and the polynomial whose byte i is v, all others 0.
@@ -47,15 +51,16 @@ pub struct Checksum {
 impl Checksum {
     /// The checksum of a raster of which no line has been seen.
     pub fn new(header: &Header) -> Checksum {
-        let bytes = match header.inks.len() {
-            0 | 1 => 0,
-            2..=255 => 1,
-            _ => 2,
+        let (bytes, paper) = match &header.inks {
+            Inks::Listed(list) => (if list.len() < 2 { 0 } else { 1 + u32::from(list.len() > 255) }, 0),
+            Inks::Shaded { paper } => (3, ink_of(*paper)),
         };
         let width = if bytes == 0 { header.width.next_multiple_of(8) } else { header.width };
         let row_shift = power(TO_8, if bytes == 0 { width / 8 } else { width * bytes });
         let by_row = multiples(row_shift);
-        Checksum { bytes, width, tails: tails(bytes, width), row_shift, by_row, register: u32::MAX, lines: 0, runs: 0 }
+        let tails = tails(bytes, width);
+        let blank = times(paper.swap_bytes(), tails[width as usize]);
+        Checksum { bytes, width, tails, paper, blank, row_shift, by_row, register: u32::MAX, lines: 0, runs: 0 }
     }
 
     /// Takes the next lines. They must keep the invariants of [`Lines`] for the header's width.
@@ -66,7 +71,8 @@ impl Checksum {
             0 => spans.fold(0, |row, (span, _)| row ^ span),
             1 => spans.fold(0, |row, (span, ink)| row ^ times((ink + 1) << 24, span)),
             // The high byte comes first: it has the higher powers, which are the lower bits.
-            _ => spans.fold(0, |row, (span, ink)| row ^ times((ink + 1).swap_bytes(), span)),
+            2 => spans.fold(0, |row, (span, ink)| row ^ times((ink + 1).swap_bytes(), span)),
+            _ => spans.fold(self.blank, |row, (span, ink)| row ^ times((ink ^ self.paper).swap_bytes(), span)),
         };
         if lines.n <= STEPPED {
             for _ in 0..lines.n {
@@ -177,7 +183,7 @@ fn multiples(a: Poly) -> Box<[[Poly; 256]; 4]> {
 
 /// `tails(…)[d]` is what `d` pixels of value 1 at the end of a row leave in an empty register, for `d` up to `width` at least.
 fn tails(bytes: u32, width: u32) -> &'static [Poly] {
-    static TABLES: [[OnceLock<Vec<Poly>>; 32]; 3] = [const { [const { OnceLock::new() }; 32] }; 3];
+    static TABLES: [[OnceLock<Vec<Poly>>; 32]; 4] = [const { [const { OnceLock::new() }; 32] }; 4];
     let size = width.next_power_of_two();
     TABLES[bytes as usize][size.trailing_zeros() as usize].get_or_init(|| {
         let mut table = Vec::with_capacity(size as usize + 8);
@@ -216,7 +222,8 @@ mod tests {
         for (n, runs) in lines {
             let ink = |x: u32| runs.iter().find(|r| r.start <= x && x < r.end).map_or(0, |r| r.ink + 1);
             let mut row = Vec::new();
-            match header.inks.len() {
+            match header.inks.listed().len() {
+                _ if matches!(header.inks, Inks::Shaded { .. }) => (0..header.width).for_each(|x| row.extend(header.inks.pixel(ink(x)))),
                 0 | 1 => {
                     row.resize(header.width.div_ceil(8) as usize, 0);
                     (0..header.width).filter(|&x| ink(x) > 0).for_each(|x| row[x as usize / 8] |= 0x80 >> (x % 8));
@@ -229,22 +236,30 @@ mod tests {
         crc.finalize()
     }
 
-    fn header(width: u32, inks: usize) -> Header {
-        Header { width, lines: 0..1, inks: vec![[0; 3]; inks], dpi: None }
+    fn header(width: u32, inks: Inks) -> Header {
+        Header { width, lines: 0..1, inks, dpi: None }
+    }
+
+    fn listed(inks: usize) -> Inks {
+        Inks::Listed(vec![[0; 3]; inks])
     }
 
     fn raster() -> impl Strategy<Value = (Header, Vec<(u32, Vec<Run>)>)> {
-        let inks = prop_oneof![Just(0usize), Just(1), 2..=255usize, Just(255), Just(256), Just(300)];
+        let number = prop_oneof![Just(0usize), Just(1), 2..=255usize, Just(255), Just(256), Just(300)];
+        let paper = prop_oneof![Just([0; 3]), Just([255; 3]), any::<[u8; 3]>()];
+        let inks = prop_oneof![2 => number.prop_map(listed), 1 => paper.prop_map(|paper| Inks::Shaded { paper })];
         (1..400u32, inks).prop_flat_map(|(width, inks)| {
+            let header = header(width, inks);
+            let inks = header.inks.end();
             let runs = prop::collection::btree_set(0..=width, 0..30).prop_flat_map(move |cuts| {
                 let cuts: Vec<u32> = cuts.into_iter().collect();
                 let spans = cuts.windows(2).step_by(if inks > 1 { 1 } else { 2 }).map(|w| (w[0], w[1])).collect::<Vec<_>>();
                 let count = if inks == 0 { 0 } else { spans.len() };
-                prop::collection::vec(0..inks.max(1) as u32, count).prop_map(move |colours| {
+                prop::collection::vec(0..inks.max(1), count).prop_map(move |colours| {
                     spans.iter().zip(colours).map(|(&(start, end), ink)| Run { start, end, ink }).collect::<Vec<_>>()
                 })
             });
-            (Just(header(width, inks)), prop::collection::vec((prop_oneof![1..3u32, 1..140u32], runs), 0..12))
+            (Just(header), prop::collection::vec((prop_oneof![1..3u32, 1..140u32], runs), 0..12))
         })
     }
 
@@ -262,20 +277,20 @@ mod tests {
     }
 
     #[test]
-    fn the_widest_rows_with_two_bytes_a_pixel() {
-        for inks in [1, 2, 300] {
+    fn the_widest_rows_of_every_depth() {
+        for inks in [listed(1), listed(2), listed(300), Inks::Shaded { paper: [1, 2, 3] }] {
             let header = header(1 << 20, inks);
-            let ink = inks as u32 - 1;
+            let ink = header.inks.end() - 1;
             let lines = [(3, vec![Run { start: 5, end: 1 << 20, ink }]), (1, vec![Run { start: 0, end: 999_999, ink }])];
             let mut sum = Checksum::new(&header);
             lines.iter().for_each(|(n, runs)| sum.add(Lines { y: 0, n: *n, runs }));
-            assert_eq!(sum.crc32(), expanded(&header, &lines), "{inks} inks");
+            assert_eq!(sum.crc32(), expanded(&header, &lines), "{ink}");
         }
     }
 
     #[test]
     fn an_empty_page_costs_its_records_and_not_its_pixels() {
-        let header = header(1 << 20, 1);
+        let header = header(1 << 20, listed(1));
         let started = std::time::Instant::now();
         let mut sum = Checksum::new(&header);
         for y in (0..1 << 23).step_by(4096) {

@@ -4,9 +4,9 @@
 
 mod raster;
 
-use raster::{Raster, Rng, inks, program, run};
+use raster::{Raster, Rng, inks, program, run, shaded};
 use runset::encode::{FORMATS, by_extension, by_name};
-use runset::run::Rgb;
+use runset::run::{Inks, Rgb};
 
 /// Numbers of inks around every change of a format's layout.
 const INKS: [usize; 12] = [0, 1, 2, 3, 4, 15, 16, 254, 255, 256, 257, 300];
@@ -14,9 +14,9 @@ const INKS: [usize; 12] = [0, 1, 2, 3, 4, 15, 16, 254, 255, 256, 257, 300];
 fn rasters() -> impl Iterator<Item = Raster> {
     let mut rng = Rng(1);
     let sizes = [1, 2, 7, 8, 9, 16, 31, 64, 65, 257, 1000];
-    INKS.into_iter().flat_map(move |n| sizes.map(|width| (n, width))).map(move |(n, width)| {
+    INKS.map(inks).into_iter().chain(shaded()).flat_map(move |inks| sizes.map(|width| (inks.clone(), width))).map(move |(inks, width)| {
         let (from, height) = (rng.below(9000), 1 + rng.below(40));
-        Raster::random(&mut rng, width, from..from + height, inks(n))
+        Raster::random(&mut rng, width, from..from + height, inks)
     })
 }
 
@@ -36,7 +36,7 @@ fn check(bytes: &[u8], raster: &Raster, format: &str) {
     let image = image::load_from_memory(bytes).unwrap().to_rgb8();
     assert_eq!(image.dimensions(), (raster.header.width, raster.header.height()), "{format}");
     let pixels: Vec<Rgb> = image.pixels().map(|p| p.0).collect();
-    assert!(pixels == expected(raster, format), "{format} of {} inks, width {}", raster.header.inks.len(), raster.header.width);
+    assert!(pixels == expected(raster, format), "{format} of {} inks, width {}", raster.header.inks.end(), raster.header.width);
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn the_image_crate_sees_the_pixels() {
 
 #[test]
 fn a_single_ink_that_is_not_black_keeps_its_colour() {
-    let raster = Raster::random(&mut Rng(7), 77, 0..30, vec![[0xe4, 0, 0x7f]]);
+    let raster = Raster::random(&mut Rng(7), 77, 0..30, Inks::Listed(vec![[0xe4, 0, 0x7f]]));
     for format in ["pbm", "pgm", "ppm", "png"] {
         check(&raster.encode(format), &raster, format);
     }
@@ -59,9 +59,35 @@ fn a_single_ink_that_is_not_black_keeps_its_colour() {
 #[test]
 fn luma_of_pure_colours() {
     // 0.2126 · 255 = 54.2, 0.7152 · 255 = 182.4, 0.0722 · 255 = 18.4
-    let mut raster = Raster::random(&mut Rng(0), 4, 0..1, vec![[255, 0, 0], [0, 255, 0], [0, 0, 255]]);
+    let mut raster = Raster::random(&mut Rng(0), 4, 0..1, Inks::Listed(vec![[255, 0, 0], [0, 255, 0], [0, 0, 255]]));
     raster.rows[0] = vec![0, 1, 2, 3];
     assert_eq!(raster.encode("pgm"), b"P5\n4 1\n255\n\xff\x36\xb6\x12");
+}
+
+#[test]
+fn a_shaded_raster_by_hand() {
+    // Paper is the least of all colours but black, and one pixel of four is painted in paper's colour.
+    let mut raster = Raster::random(&mut Rng(0), 4, 0..1, Inks::Shaded { paper: [0, 0, 1] });
+    raster.rows[0] = vec![0, 0x12_3456 + 1, 0x00_0001 + 1, 0xff_ffff + 1];
+    assert_eq!(raster.encode("ppm"), b"P6\n4 1\n255\n\x00\x00\x01\x12\x34\x56\x00\x00\x01\xff\xff\xff");
+    // 0.2126 · 18 + 0.7152 · 52 + 0.0722 · 86 = 47.2
+    assert_eq!(raster.encode("pgm"), b"P5\n4 1\n255\n\x00\x2f\x00\xff");
+    assert_eq!(raster.encode("pbm"), b"P4\n4 1\n\x70");
+}
+
+#[test]
+fn line_streams_are_converted_to_every_format() {
+    for raster in rasters().step_by(4) {
+        for stream in ["ndjson", "rls"] {
+            let bytes = raster.encode(stream);
+            for format in FORMATS {
+                let mut out = Vec::new();
+                let header = runset::job::convert(&mut &bytes[..], format, &mut out, &mut |_| ()).unwrap();
+                assert_eq!(header, raster.header);
+                assert!(out == raster.encode(format.name), "{stream} to {}", format.name);
+            }
+        }
+    }
 }
 
 #[test]
@@ -78,20 +104,21 @@ fn png_takes_the_smallest_colour_type() {
         (255, C::Indexed, D::Eight),
         (256, C::Rgb, D::Eight),
     ];
-    for (n, colour, depth) in types {
-        let mut raster = Raster::random(&mut Rng(3), 50, 0..20, inks(n));
+    let types = types.map(|(n, colour, depth)| (inks(n), colour, depth)).into_iter();
+    for (inks, colour, depth) in types.chain(shaded().map(|inks| (inks, C::Rgb, D::Eight))) {
+        let mut raster = Raster::random(&mut Rng(3), 50, 0..20, inks.clone());
         for dpi in [None, Some(600.0)] {
             raster.header.dpi = dpi;
             let bytes = raster.encode("png");
             let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
             let info = reader.info();
-            assert_eq!((info.color_type, info.bit_depth), (colour, depth), "{n} inks");
+            assert_eq!((info.color_type, info.bit_depth), (colour, depth), "{inks:?}");
             // 600 dots an inch are 23,622.05 a metre.
             let per_metre = info.pixel_dims.map(|d| (d.xppu, d.yppu, d.unit == png::Unit::Meter));
             assert_eq!(per_metre, dpi.map(|_| (23_622, 23_622, true)));
         }
     }
-    let coloured = Raster::random(&mut Rng(3), 50, 0..20, vec![[1, 2, 3]]);
+    let coloured = Raster::random(&mut Rng(3), 50, 0..20, Inks::Listed(vec![[1, 2, 3]]));
     let bytes = coloured.encode("png");
     let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
     assert_eq!((reader.info().color_type, reader.info().bit_depth), (C::Indexed, D::One));
@@ -112,7 +139,7 @@ fn netpbm_sees_the_pixels() {
 #[test]
 fn pngcheck_finds_nothing() {
     let Some(pngcheck) = program("pngcheck") else { return };
-    for mut raster in rasters().step_by(7).chain([tall(300), tall(1)]) {
+    for mut raster in rasters().step_by(7).chain(talls()) {
         raster.header.dpi = Some(300.0);
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), raster.encode("png")).unwrap();
@@ -121,20 +148,24 @@ fn pngcheck_finds_nothing() {
 }
 
 /// A raster of several PNG segments, some of them one row repeated.
-fn tall(n: usize) -> Raster {
-    let (width, height) = if n > 255 { (1200, 1400) } else { (6000, 7000) };
-    let mut raster = Raster::random(&mut Rng(n as u64), width, 0..height, inks(n));
+fn tall(inks: Inks) -> Raster {
+    let (width, height) = if inks.end() > 255 { (1200, 1400) } else { (6000, 7000) };
+    let mut raster = Raster::random(&mut Rng(inks.end().into()), width, 0..height, inks);
     // Equal rows from the middle of a segment through whole segments into another one.
     let blank = vec![0; width as usize];
     raster.rows[height as usize / 3..height as usize * 9 / 10].fill(blank);
     raster
 }
 
+fn talls() -> [Raster; 3] {
+    [inks(300), inks(1), Inks::Shaded { paper: [255, 255, 229] }].map(tall)
+}
+
 #[test]
 fn bytes_depend_on_the_picture_alone() {
     let mut rng = Rng(5);
     let wide = Raster::random(&mut rng, 500_000, 0..9, inks(300));
-    for raster in rasters().chain([tall(300), tall(1), wide]) {
+    for raster in rasters().chain(talls()).chain([wide]) {
         for format in FORMATS {
             let bytes = raster.encode(format.name);
             assert!(bytes == raster.encode_in_groups(format.name, &mut rng, false), "{}, in large groups", format.name);
@@ -160,8 +191,7 @@ fn segments(png: &[u8]) -> Vec<&[u8]> {
 
 #[test]
 fn png_can_be_written_and_read_from_any_segment() {
-    for (n, row_bytes) in [(1, 6000 / 8), (300, 1200 * 3)] {
-        let raster = tall(n);
+    for (raster, row_bytes) in talls().into_iter().zip([1200 * 3, 6000 / 8, 1200 * 3]) {
         let whole = raster.encode("png");
         let part = |rows: std::ops::Range<usize>| {
             let lines = rows.start as u32..rows.end as u32;
@@ -175,7 +205,7 @@ fn png_can_be_written_and_read_from_any_segment() {
             let (above, below, whole) = (segments(&above), segments(&below), segments(&whole));
             // Both parts as they stand in the whole, but for the last chunk: the end of `above`, and checksums.
             let joined: Vec<_> = above[..above.len() - 1].iter().chain(&below[..below.len() - 1]).collect();
-            assert!(joined.iter().copied().eq(&whole[..whole.len() - 1]), "{n} inks, cut at row {cut}");
+            assert!(joined.iter().copied().eq(&whole[..whole.len() - 1]), "{} inks, cut at row {cut}", raster.header.inks.end());
             let mut inflated = Vec::new();
             let rest = whole[above.len() - 1..].concat();
             std::io::Read::read_to_end(&mut flate2::read::DeflateDecoder::new(&rest[..]), &mut inflated).unwrap();

@@ -142,10 +142,9 @@ fn layers_of_tangles_show_the_topmost() {
             let job = Job::prepare(document, &Options { counting, ..Options::default() }, &mut warnings).unwrap();
             let mut rows = job.rows();
             while let Some(lines) = rows.next() {
-                assert!(lines.check(scene.width, job.header().inks.len()), "{lines:?}");
+                assert!(lines.check(job.header()), "{lines:?}");
                 for (y, x) in (lines.y..lines.y + lines.n).flat_map(|y| (0..scene.width).map(move |x| (y, x))) {
-                    let seen =
-                        lines.runs.iter().find(|run| (run.start..run.end).contains(&x)).map(|run| job.header().inks[run.ink as usize]);
+                    let seen = lines.runs.iter().find(|run| (run.start..run.end).contains(&x)).map(|run| job.header().inks.colour(run.ink));
                     let top = (0..layers.len()).rev().find(|&i| held[i][y as usize].iter().any(|run| run.contains(&x)));
                     let ink = top.map(|i| {
                         let text = inks[layers[i].1 as usize];

@@ -6,19 +6,20 @@ mod raster;
 
 use std::io::{BufRead, BufReader, Read};
 
-use raster::{Raster, Rng, inks, program, run};
+use raster::{Raster, Rng, inks, program, run, shaded};
 use runset::error::{Kind, Result};
 use runset::input::lines::LineReader;
-use runset::run::{Header, Lines, Run};
+use runset::run::{Header, Inks, Lines, Run};
 
 const STREAMS: [&str; 2] = ["ndjson", "rls"];
 
 fn rasters(widths: &'static [u32]) -> impl Iterator<Item = Raster> {
     let mut rng = Rng(11);
-    [0, 1, 2, 3, 255, 256, 300].into_iter().flat_map(move |n| widths.iter().map(move |&width| (n, width))).map(move |(n, width)| {
+    let inks = [0, 1, 2, 3, 255, 256, 300].map(inks).into_iter().chain(shaded());
+    inks.flat_map(move |inks| widths.iter().map(move |&width| (inks.clone(), width))).map(move |(inks, width)| {
         let from = 4080 + rng.below(30);
         let height = 1 + rng.below(50);
-        Raster::random(&mut rng, width, from..from + height, inks(n))
+        Raster::random(&mut rng, width, from..from + height, inks)
     })
 }
 
@@ -85,51 +86,60 @@ fn a_foreign_reader_sees_the_pixels() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/line_streams.py");
     for raster in rasters(&[1, 9, 300]) {
         let mut pixels = format!("{} {}\n", raster.header.width, raster.rows.len()).into_bytes();
-        raster.rows.iter().flatten().for_each(|&pixel| pixels.extend((pixel as u16).to_be_bytes()));
+        raster.rows.iter().flatten().for_each(|&pixel| pixels.extend(pixel.to_be_bytes()));
         for format in STREAMS {
-            assert!(run(&python, &[script], &raster.encode(format)) == pixels, "{format} of {} inks", raster.header.inks.len());
+            assert!(run(&python, &[script], &raster.encode(format)) == pixels, "{format} of {} inks", raster.header.inks.end());
         }
     }
 }
 
-/// The example of the specification: what stands between a line of three backquotes with a name and one without.
-fn example(language: &str) -> String {
-    let doc = include_str!("../docs/rls.md");
-    let (_, rest) = doc.split_once(&format!("```{language}\n")).unwrap();
-    rest.split_once("```").unwrap().0.to_string()
+/// An example of the specification, as ndjson or in rls: what stands between a line of three backquotes with a name and one without. Example 0 is of
+/// two inks, 1 is shaded.
+fn example_text(n: usize) -> String {
+    fenced("json", n)
 }
 
-fn example_bytes() -> Vec<u8> {
-    let digits: String = example("hex").lines().map(|line| line.split('#').next().unwrap()).collect();
+fn example_bytes(n: usize) -> Vec<u8> {
+    let digits: String = fenced("hex", n).lines().map(|line| line.split('#').next().unwrap()).collect();
     let digits: Vec<u32> = digits.chars().filter_map(|c| c.to_digit(16)).collect();
     digits.chunks(2).map(|pair| (pair[0] * 16 + pair[1]) as u8).collect()
 }
 
+fn fenced(language: &str, n: usize) -> String {
+    let doc = include_str!("../docs/rls.md");
+    let rest = doc.split(&format!("```{language}\n")).nth(n + 1).unwrap();
+    rest.split_once("```").unwrap().0.to_string()
+}
+
 #[test]
-fn the_example_of_the_specification_is_true() {
-    let (text, bytes) = (example("json"), example_bytes());
-    let stream = read(&mut &bytes[..]).unwrap();
-    assert_eq!(read(&mut text.as_bytes()).unwrap(), stream);
-    assert_eq!(stream.0, Header { width: 300, lines: 4094..4100, inks: vec![[0; 3], [0xe4, 0, 0x7f]], dpi: None });
-    assert_eq!(write("rls", &stream), bytes);
-    assert_eq!(String::from_utf8(write("ndjson", &stream)).unwrap(), text);
+fn the_examples_of_the_specification_are_true() {
+    let two = Header { width: 300, lines: 4094..4100, inks: Inks::Listed(vec![[0; 3], [0xe4, 0, 0x7f]]), dpi: None };
+    let shaded = Header { width: 4, lines: 0..3, inks: Inks::Shaded { paper: [255, 255, 0xe5] }, dpi: None };
+    for (n, header) in [two, shaded].into_iter().enumerate() {
+        let (text, bytes) = (example_text(n), example_bytes(n));
+        let stream = read(&mut &bytes[..]).unwrap();
+        assert_eq!(read(&mut text.as_bytes()).unwrap(), stream);
+        assert_eq!(stream.0, header);
+        assert_eq!(write("rls", &stream), bytes);
+        assert_eq!(String::from_utf8(write("ndjson", &stream)).unwrap(), text);
+    }
 }
 
 #[test]
 fn records_that_are_not_maximal_are_gathered_anew() {
-    let text = example("json");
+    let text = example_text(0);
     let split = text.replace("{\"y\":4094,\"n\":2,\"runs\":[[10,20,0],[20,300,1]]}\n{\"y\":4096,\"n\":2,", "{\"y\":4094,\"n\":4,");
     assert_ne!(split, text);
     assert_eq!(write("ndjson", &read(&mut split.as_bytes()).unwrap()), text.as_bytes());
     let line = "{\"y\":4096,\"n\":2,\"runs\":[[10,20,0],[20,300,1]]}\n";
     let split = text.replace(line, &format!("{}{}", line.replace("\"n\":2", "\"n\":1"), line.replace("4096,\"n\":2", "4097,\"n\":1")));
     assert_ne!(split, text);
-    assert_eq!(write("rls", &read(&mut split.as_bytes()).unwrap()), example_bytes());
+    assert_eq!(write("rls", &read(&mut split.as_bytes()).unwrap()), example_bytes(0));
 }
 
 #[test]
 fn blanks_between_tokens_are_read() {
-    let text = example("json");
+    let text = example_text(0);
     let spaced = text.replace(',', ", ").replace(':', " :\t").replace('\n', " \r\n");
     assert_eq!(read(&mut spaced.as_bytes()).unwrap(), read(&mut text.as_bytes()).unwrap());
 }
@@ -157,7 +167,8 @@ fn crc32((header, records): &Stream) -> u32 {
     for (_, n, runs) in records {
         let mut row = vec![0u32; header.width as usize];
         runs.iter().for_each(|run| row[run.start as usize..run.end as usize].fill(run.ink + 1));
-        let bytes: Vec<u8> = match header.inks.len() {
+        let bytes: Vec<u8> = match header.inks.listed().len() {
+            _ if header.inks.end() == 1 << 24 => row.iter().flat_map(|&pixel| header.inks.pixel(pixel)).collect(),
             0 | 1 => row.chunks(8).map(|byte| (0..8).map(|i| (*byte.get(i).unwrap_or(&0) as u8) << (7 - i)).sum()).collect(),
             2..=255 => row.iter().map(|&pixel| pixel as u8).collect(),
             _ => row.iter().flat_map(|&pixel| (pixel as u16).to_be_bytes()).collect(),
@@ -170,7 +181,7 @@ fn crc32((header, records): &Stream) -> u32 {
 #[test]
 fn damage_is_found_or_does_no_harm() {
     let mut rng = Rng(13);
-    for raster in rasters(&[3, 40]).filter(|raster| raster.header.inks.len() < 4) {
+    for raster in rasters(&[3, 40]).filter(|raster| raster.header.inks.listed().len() < 4) {
         for format in STREAMS {
             let bytes = raster.encode(format);
             let mut accepted = 0;
@@ -191,7 +202,7 @@ fn damage_is_found_or_does_no_harm() {
                 }
             }
             // Only what the checksum does not cover: colours, the width within the last byte, where the page begins.
-            assert!(accepted < 7 * (6 * raster.header.inks.len() + 20), "{accepted} of {} bytes", bytes.len());
+            assert!(accepted < 7 * (6 * raster.header.inks.listed().len() + 20), "{accepted} of {} bytes", bytes.len());
         }
     }
 }
@@ -240,10 +251,28 @@ const REFUSED: &[(&str, &str, &str)] = &[
     ("[0,300,0]", "[0,299,0]", "6:2: the checksum is"),
 ];
 
+/// The same in the shaded example.
+const REFUSED_SHADED: &[(&str, &str, &str)] = &[
+    ("\"rgb\"", "\"cmyk\"", "1:57: inks are a list of colours, or \"rgb\""),
+    ("\"rgb\"", "rgb", "1:57: expected `[`"),
+    ("\"rgb\",\"paper\":\"#ffffe5\"", "\"rgb\"", "1:62: expected `,\"paper\":`"),
+    ("#ffffe5", "white", "1:71: expected a colour"),
+    ("#ffffe5", "#FFFFE5", "1:71: expected a colour"),
+    ("#102030", "#1020300", "2:27: expected a colour"),
+    ("\"#102030\"", "0", "2:27: expected `\"`"),
+    (",\"#102030\"", "", "2:26: expected `,`"),
+    ("[3,4", "[2,4", "2:39: the run from 2 overlaps"),
+    ("\"#102030\"],[3,4,\"#ffffe5\"", "\"#ffffe5\"],[3,4,\"#ffffe5\"", "2:39: the run from 3 touches"),
+    ("#102030", "#102031", "4:2: the checksum is"),
+    ("\"paper\":\"#ffffe5\"", "\"paper\":\"#ffffe4\"", "4:2: the checksum is"),
+];
+
 #[test]
 fn ndjson_is_refused_with_its_place() {
-    for (old, new, message) in REFUSED {
-        let text = example("json").replacen(old, new, 1);
+    let of =
+        |n, refused: &'static [(&str, &str, &str)]| refused.iter().map(move |(old, new, message)| (example_text(n), old, new, message));
+    for (text, old, new, message) in of(0, REFUSED).chain(of(1, REFUSED_SHADED)) {
+        let text = text.replacen(old, new, 1);
         let error = read(&mut text.as_bytes()).expect_err(new);
         assert!(error.to_string().starts_with(message), "{old} -> {new}: {error}");
     }
@@ -255,7 +284,7 @@ fn rls_is_refused_with_its_place() {
     let refused: &[(usize, usize, &[u8], &str)] = &[
         (5, 1, b"", "byte 0: not an rls stream, or one that was treated as text"),
         (8, 1, &[2], "byte 8: version 2"),
-        (9, 1, &[1], "byte 9: a stream of kind 1"),
+        (9, 1, &[2], "byte 9: a stream of kind 2; this program reads kind 0"),
         (10, 2, &[0], "byte 10: the width is 0"),
         (10, 2, &[0x81, 0x80, 0x40], "byte 10: the width is 1048577"),
         (10, 2, &[0xac, 0x82, 0], "byte 10: a number with a needless last byte"),
@@ -276,9 +305,9 @@ fn rls_is_refused_with_its_place() {
         (55, 1, &[0], "byte 49: the checksum is ca0872a5 and should be ca087200"),
         (56, 0, &[0], "byte 56: something follows the end record"),
     ];
-    assert_eq!(example_bytes().len(), 56);
+    assert_eq!(example_bytes(0).len(), 56);
     for (at, len, new, message) in refused {
-        let mut bytes = example_bytes();
+        let mut bytes = example_bytes(0);
         bytes.splice(at..&(at + len), new.iter().copied());
         let error = read(&mut &bytes[..]).expect_err(message);
         assert!(error.to_string().starts_with(message), "{error} where {message} was expected");
@@ -304,7 +333,7 @@ fn a_line_without_end_is_given_up() {
     let endless = |head: String| BufReader::new(std::io::Cursor::new(head.into_bytes()).chain(std::io::repeat(b' ')));
     let header = read(&mut endless("{".into())).unwrap_err();
     assert!(header.to_string().contains("a line of more than 1049584 bytes"), "{header}");
-    let first = example("json").split_inclusive('\n').next().unwrap().to_string();
+    let first = example_text(0).split_inclusive('\n').next().unwrap().to_string();
     let record = read(&mut endless(first + "{")).unwrap_err();
     assert!(record.to_string().starts_with("2:10625: a line of more than 10624 bytes"), "{record}");
 }
@@ -312,12 +341,15 @@ fn a_line_without_end_is_given_up() {
 #[test]
 fn the_longest_record_is_read() {
     let width = 1 << 20;
-    let run = |x: u32| Run { start: x, end: x + 1, ink: 65_533 + x % 2 };
+    let run = |x: u32, end: u32| Run { start: x, end: x + 1, ink: end - 2 + x % 2 };
     let inks = (0..65_535u32).map(|i| [(i >> 16) as u8, (i >> 8) as u8, i as u8]).collect();
-    let header = Header { width, lines: 8_388_607..8_388_608, inks, dpi: None };
-    let stream = (header, vec![(8_388_607, 1, (0..width).map(run).collect())]);
-    for format in STREAMS {
-        assert!(read(&mut &write(format, &stream)[..]).unwrap() == stream, "{format}");
+    for inks in [Inks::Listed(inks), Inks::Shaded { paper: [1, 2, 3] }] {
+        let header = Header { width, lines: 8_388_607..8_388_608, inks, dpi: None };
+        let runs = (0..width).map(|x| run(x, header.inks.end())).collect();
+        let stream = (header, vec![(8_388_607, 1, runs)]);
+        for format in STREAMS {
+            assert!(read(&mut &write(format, &stream)[..]).unwrap() == stream, "{format}");
+        }
     }
 }
 

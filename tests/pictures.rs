@@ -39,7 +39,7 @@ fn picture(document: Vec<u8>) -> runset::error::Result<String> {
     let mut warnings = Vec::new();
     let scene = input::read(document, &Limits::default(), &mut warnings)?;
     let job = Job::prepare(scene, &Options::default(), &mut warnings)?;
-    let inks = job.header().inks.len();
+    let inks = job.header().inks.end();
     let mut text = String::new();
     let mut rows = job.rows();
     while let Some(lines) = rows.next() {

@@ -7,7 +7,7 @@ use oracle::{Expr, Scene};
 use runset::encode::{Encode, FORMATS, Format, Restart, Strip, by_name};
 use runset::input;
 use runset::job::{Checkpoint, Job, More, Options, Stream};
-use runset::run::{Header, Lines, Run};
+use runset::run::{Header, Inks, Lines, Run};
 use runset::scene::Limits;
 
 /// How often the random laws are tried: `RUNSET_EFFORT` times as much as by default.
@@ -22,7 +22,13 @@ type Groups = Vec<(u32, Vec<Run>)>;
 
 /// A random raster: paper, few runs, many runs; groups of a line or of thousands, neighbours often equal.
 fn raster(rng: &mut Rng) -> (Header, Groups) {
-    let (width, inks) = (1 + rng.below(200) as u32, rng.pick(&INKS));
+    let width = 1 + rng.below(200) as u32;
+    let inks = if rng.one_in(4) {
+        Inks::Shaded { paper: rng.pick(&[[255; 3], [255, 255, 229], [0; 3]]) }
+    } else {
+        let n = rng.pick(&INKS);
+        Inks::Listed((0..n).map(|i| if n == 1 { [0; 3] } else { [i as u8, (i >> 8) as u8, 77] }).collect())
+    };
     let start = rng.pick(&[0, 1, 4000, 8191, 12_288]);
     let mut groups: Groups = Vec::new();
     for _ in 0..1 + rng.below(24) {
@@ -36,14 +42,13 @@ fn raster(rng: &mut Rng) -> (Header, Groups) {
                 if end > width {
                     break runs;
                 }
-                runs.push(Run { start, end, ink: rng.below(inks.into()) as u32 });
+                runs.push(Run { start, end, ink: rng.below(inks.end().into()) as u32 });
                 x = end;
             }
         });
         groups.push((n, runs));
     }
     let height: u32 = groups.iter().map(|group| group.0).sum();
-    let inks = (0..inks).map(|i| if inks == 1 { [0; 3] } else { [i as u8, (i >> 8) as u8, 77] }).collect();
     (Header { width, lines: start..start + height, inks, dpi: None }, groups)
 }
 

@@ -37,11 +37,16 @@ impl Shown {
         if runs.len() * NEAR <= self.row_bytes() {
             changes(&self.runs, runs, &mut self.changes);
         } else {
-            self.changes.push(Run { start: 0, end: self.width, ink: 0 });
+            self.changes.push(self.paper());
             self.changes.extend(runs.iter().map(|run| Run { ink: run.ink + 1, ..*run }));
         }
         self.runs.clear();
         self.runs.extend_from_slice(runs);
+    }
+
+    /// A line of paper, as a change.
+    pub fn paper(&self) -> Run {
+        Run { start: 0, end: self.width, ink: 0 }
     }
 
     /// Bytes of the row.

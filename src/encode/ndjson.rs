@@ -7,12 +7,13 @@
 //! {"end":true,"lines":3,"runs":2,"crc32":"e50720ad"}
 //! ```
 //!
-//! With several inks a run is `[start,end,ink]`. [`crate::encode::rls`] is the same in binary.
+//! With several inks a run is `[start,end,ink]`. Of a shaded raster the header has `"inks":"rgb","paper":"#rrggbb"`, and a run is
+//! `[start,end,"#rrggbb"]`. [`crate::encode::rls`] is the same in binary.
 
 use super::Format;
 use super::records::{Records, Spelling};
 use crate::checksum::Checksum;
-use crate::run::{Header, Lines};
+use crate::run::{Header, Hex, Inks, Lines, Rgb, Told, colour_of};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -27,26 +28,36 @@ pub const FORMAT: Format = Format {
 
 fn begin(header: &Header, out: &mut Vec<u8>) {
     let Header { width, lines, inks, .. } = header;
-    let inks: Vec<String> = inks.iter().map(|[r, g, b]| format!("\"#{r:02x}{g:02x}{b:02x}\"")).collect();
-    let (height, from, to, inks) = (header.height(), lines.start, lines.end, inks.join(","));
-    let text = format!("{{\"runset\":1,\"width\":{width},\"height\":{height},\"from\":{from},\"to\":{to},\"inks\":[{inks}]}}\n");
+    let colour = |colour: Rgb| format!("\"{}\"", Hex::of(colour));
+    let inks = match inks {
+        Inks::Listed(list) => format!("[{}]", list.iter().map(|ink| colour(*ink)).collect::<Vec<_>>().join(",")),
+        Inks::Shaded { paper } => format!("\"rgb\",\"paper\":{}", colour(*paper)),
+    };
+    let (height, from, to) = (header.height(), lines.start, lines.end);
+    let text = format!("{{\"runset\":1,\"width\":{width},\"height\":{height},\"from\":{from},\"to\":{to},\"inks\":{inks}}}\n");
     out.extend_from_slice(text.as_bytes());
 }
 
-fn record(lines: Lines<'_>, several: bool, out: &mut Vec<u8>) {
+fn record(lines: Lines<'_>, told: Told, out: &mut Vec<u8>) {
     let mut digits = itoa::Buffer::new();
-    let mut put = |before: &str, number: u32| {
+    let mut put = |out: &mut Vec<u8>, before: &str, number: u32| {
         out.extend_from_slice(before.as_bytes());
         out.extend_from_slice(digits.format(number).as_bytes());
     };
-    put("{\"y\":", lines.y);
-    put(",\"n\":", lines.n);
+    put(out, "{\"y\":", lines.y);
+    put(out, ",\"n\":", lines.n);
     let mut before = ",\"runs\":[[";
     for run in lines.runs {
-        put(before, run.start);
-        put(",", run.end);
-        if several {
-            put(",", run.ink);
+        put(out, before, run.start);
+        put(out, ",", run.end);
+        match told {
+            Told::Nothing => {}
+            Told::Index => put(out, ",", run.ink),
+            Told::Colour => {
+                out.extend_from_slice(b",\"");
+                out.extend_from_slice(Hex::of(colour_of(run.ink)).as_bytes());
+                out.push(b'"');
+            }
         }
         before = "],[";
     }

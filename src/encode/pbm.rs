@@ -18,5 +18,5 @@ pub const FORMAT: Format = Format {
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P4\n{} {}\n", header.width, header.height());
-    rows::plain(head, header, 1, 0, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
+    rows::plain(head, header, 1, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
 }

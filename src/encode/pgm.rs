@@ -1,16 +1,16 @@
-//! Portable graymap, binary (P5): a byte a pixel, the luma of the ink on white.
+//! Portable graymap, binary (P5): a byte a pixel, the luma of the ink or of paper.
 //!
 //! Source: pgm(5) of netpbm; Recommendation ITU-R BT.709 for the weights.
 
 use super::{Encode, Format, rows};
-use crate::run::{Header, Rgb, WHITE};
+use crate::run::{Header, Inks, Rgb};
 
 /// The format.
 pub const FORMAT: Format = Format {
     name: "pgm",
     extensions: &["pgm"],
     media_type: "image/x-portable-graymap",
-    about: "portable graymap (P5), 8 bits a pixel: luma of the inks on white",
+    about: "portable graymap (P5), 8 bits a pixel: luma of the inks and of paper",
     binary: true,
     version: 1,
     encoder,
@@ -18,11 +18,17 @@ pub const FORMAT: Format = Format {
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P5\n{} {}\n255\n", header.width, header.height());
-    let lumas: Vec<u8> = [WHITE].iter().chain(&header.inks).map(luma).collect();
-    rows::plain(head, header, 8, 255, move |runs, row| rows::packed(row, 8, runs, |ink| lumas[ink as usize]))
+    let inks = header.inks.clone();
+    match &header.inks {
+        Inks::Listed(list) => {
+            let lumas: Vec<u8> = (0..=list.len() as u32).map(|pixel| luma(inks.pixel(pixel))).collect();
+            rows::plain(head, header, 8, move |runs, row| rows::packed(row, 8, runs, |pixel| lumas[pixel as usize]))
+        }
+        Inks::Shaded { .. } => rows::plain(head, header, 8, move |runs, row| rows::packed(row, 8, runs, |pixel| luma(inks.pixel(pixel)))),
+    }
 }
 
 /// Luma of Rec. 709, taken on the 8-bit values and rounded.
-fn luma(&[r, g, b]: &Rgb) -> u8 {
+fn luma([r, g, b]: Rgb) -> u8 {
     ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8
 }

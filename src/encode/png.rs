@@ -1,7 +1,7 @@
 //! PNG, in segments that do not depend on each other.
 //!
-//! Black alone is 1-bit greyscale; up to 255 inks are a palette (paper is entry 0) at the smallest depth that holds it; more
-//! are 8-bit RGB.
+//! Black alone is 1-bit greyscale; up to 255 inks are a palette (paper is entry 0) at the smallest depth that holds it; more inks, and
+//! shaded rasters, are 8-bit RGB.
 //!
 //! ```text
 //! IHDR pHYs PLTE | IDAT 78 5e | IDAT rows 0..k | IDAT rows k..2k | … | IDAT rows to the end, empty last block, Adler-32 | IEND
@@ -24,7 +24,7 @@ use std::ops::Range;
 use super::changes::Shown;
 use super::deflate::{self, Block};
 use super::{Encode, Format, Part, Restart, Strip, rows};
-use crate::run::{BLACK, Header, Lines, Rgb, Run, WHITE};
+use crate::run::{BLACK, Header, Lines, Rgb, Run};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -53,8 +53,8 @@ enum Colour {
 struct Png {
     header: Header,
     colour: Colour,
-    /// Of paper and the inks, for RGB.
-    blocks: Vec<rows::Block>,
+    /// For RGB.
+    colours: rows::Colours,
     segment_rows: u32,
     /// Whether the segment has begun.
     open: bool,
@@ -76,8 +76,8 @@ struct Png {
 
 impl Png {
     fn new(header: &Header) -> Png {
-        let (colour, depth) = match header.inks.len() {
-            _ if header.inks.iter().all(|&ink| ink == BLACK) => (Colour::Grey, 1),
+        let (colour, depth) = match header.inks.end() {
+            0..=255 if header.inks.listed().iter().all(|&ink| ink == BLACK) => (Colour::Grey, 1),
             1 => (Colour::Palette { depth: 1 }, 1),
             2..=3 => (Colour::Palette { depth: 2 }, 2),
             4..=15 => (Colour::Palette { depth: 4 }, 4),
@@ -86,11 +86,15 @@ impl Png {
         };
         let shown = Shown::new(header.width, depth);
         let row_bytes = shown.row_bytes();
-        let paper = vec![if let Colour::Palette { .. } = colour { 0 } else { 255 }; row_bytes];
+        let colours = rows::Colours::new(&header.inks);
+        let mut paper = vec![if let Colour::Palette { .. } = colour { 0 } else { 255 }; row_bytes];
+        if colour == Colour::Rgb {
+            colours.paint(&mut paper, &[shown.paper()]);
+        }
         Png {
             header: header.clone(),
             colour,
-            blocks: if colour == Colour::Rgb { rows::blocks(&header.inks) } else { Vec::new() },
+            colours,
             segment_rows: segment_rows(row_bytes),
             open: false,
             row: paper.clone(),
@@ -111,7 +115,7 @@ impl Png {
         match self.colour {
             Colour::Grey => rows::packed(&mut self.row, 1, changes, |ink| u8::from(ink == 0)),
             Colour::Palette { depth } => rows::packed(&mut self.row, depth, changes, |ink| ink as u8),
-            Colour::Rgb => rows::rgb(&mut self.row, changes, &self.blocks),
+            Colour::Rgb => self.colours.paint(&mut self.row, changes),
         }
         self.shown.stretches(&mut self.stretches);
     }
@@ -166,7 +170,7 @@ impl Encode for Png {
             chunk(out, b"pHYs", |out| out.extend([&per_metre[..], &per_metre, &[1]].concat()));
         }
         if let Colour::Palette { .. } = self.colour {
-            let palette: Vec<Rgb> = [WHITE].iter().chain(inks).copied().collect();
+            let palette: Vec<Rgb> = [inks.paper()].iter().chain(inks.listed()).copied().collect();
             chunk(out, b"PLTE", |out| out.extend(palette.as_flattened()));
         }
         // Zlib header: deflate with a window of 32 KiB, fast, no dictionary.

@@ -1,4 +1,4 @@
-//! Portable pixmap, binary (P6): three bytes a pixel, the inks on white.
+//! Portable pixmap, binary (P6): three bytes a pixel, the colours of inks and of paper.
 //!
 //! Source: ppm(5) of netpbm.
 
@@ -10,7 +10,7 @@ pub const FORMAT: Format = Format {
     name: "ppm",
     extensions: &["ppm"],
     media_type: "image/x-portable-pixmap",
-    about: "portable pixmap (P6), 24 bits a pixel: the inks on white",
+    about: "portable pixmap (P6), 24 bits a pixel: the inks on paper",
     binary: true,
     version: 1,
     encoder,
@@ -18,6 +18,6 @@ pub const FORMAT: Format = Format {
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
     let head = format!("P6\n{} {}\n255\n", header.width, header.height());
-    let inks = rows::blocks(&header.inks);
-    rows::plain(head, header, 24, 255, move |runs, row| rows::rgb(row, runs, &inks))
+    let colours = rows::Colours::new(&header.inks);
+    rows::plain(head, header, 24, move |runs, row| colours.paint(row, runs))
 }

@@ -2,7 +2,7 @@
 
 use super::{Encode, Part, Restart, Strip};
 use crate::checksum::Checksum;
-use crate::run::{Header, Lines, Merge, RECORD_LINES};
+use crate::run::{Header, Lines, Merge, RECORD_LINES, Told};
 
 /// A line stream; the functions say how its parts are spelled.
 pub struct Records {
@@ -17,8 +17,8 @@ pub struct Records {
 pub struct Spelling {
     /// The header.
     pub begin: fn(&Header, &mut Vec<u8>),
-    /// A record; the flag tells whether there are several inks, so that runs name theirs.
-    pub record: fn(Lines<'_>, bool, &mut Vec<u8>),
+    /// A record, of which each run tells so much of its ink.
+    pub record: fn(Lines<'_>, Told, &mut Vec<u8>),
     /// The end record.
     pub end: fn(&Checksum, &mut Vec<u8>),
 }
@@ -31,10 +31,10 @@ impl Records {
 
     /// Writes the record that is still open, if there is one.
     fn flush(&mut self, out: &mut Vec<u8>) {
-        let several = self.header.inks.len() > 1;
+        let told = self.header.inks.told();
         self.merge.flush(|record| {
             self.sum.add(record);
-            (self.spelling.record)(record, several, out);
+            (self.spelling.record)(record, told, out);
         });
     }
 }
@@ -49,10 +49,10 @@ impl Encode for Records {
     }
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {
-        let several = self.header.inks.len() > 1;
+        let told = self.header.inks.told();
         self.merge.push(lines, |record| {
             self.sum.add(record);
-            (self.spelling.record)(record, several, out);
+            (self.spelling.record)(record, told, out);
         });
     }
 

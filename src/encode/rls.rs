@@ -3,7 +3,7 @@
 use super::Format;
 use super::records::{Records, Spelling};
 use crate::checksum::Checksum;
-use crate::run::{Header, Lines};
+use crate::run::{Header, Inks, Lines, Told, colour_of};
 
 /// The format.
 pub const FORMAT: Format = Format {
@@ -22,27 +22,39 @@ const MAGIC: [u8; 8] = *b"\x89RLS\r\n\x1a\n";
 /// Version of the layout.
 const VERSION: u64 = 1;
 
-/// The kind of stream whose runs show inks. Kind 1, runs that carry their colour, is reserved.
-const INKS: u64 = 0;
+/// The kind of stream whose runs show inks of a list.
+const LISTED: u64 = 0;
+
+/// The kind whose runs carry their colours.
+const SHADED: u64 = 1;
 
 fn begin(header: &Header, out: &mut Vec<u8>) {
     let Header { width, lines, inks, .. } = header;
     out.extend_from_slice(&MAGIC);
-    for number in [VERSION, INKS, u64::from(*width), u64::from(lines.start), u64::from(lines.end), inks.len() as u64] {
+    let kind = if let Inks::Shaded { .. } = inks { SHADED } else { LISTED };
+    for number in [VERSION, kind, u64::from(*width), u64::from(lines.start), u64::from(lines.end)] {
         leb128(out, number);
     }
-    out.extend_from_slice(inks.as_flattened());
+    match inks {
+        Inks::Listed(list) => {
+            leb128(out, list.len() as u64);
+            out.extend_from_slice(list.as_flattened());
+        }
+        Inks::Shaded { paper } => out.extend_from_slice(paper),
+    }
 }
 
-fn record(lines: Lines<'_>, several: bool, out: &mut Vec<u8>) {
+fn record(lines: Lines<'_>, told: Told, out: &mut Vec<u8>) {
     leb128(out, u64::from(lines.n));
     leb128(out, lines.runs.len() as u64);
     let mut end = 0;
     for run in lines.runs {
         leb128(out, u64::from(run.start - end));
         leb128(out, u64::from(run.end - run.start));
-        if several {
-            leb128(out, u64::from(run.ink));
+        match told {
+            Told::Nothing => {}
+            Told::Index => leb128(out, u64::from(run.ink)),
+            Told::Colour => out.extend_from_slice(&colour_of(run.ink)),
         }
         end = run.end;
     }

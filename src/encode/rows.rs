@@ -2,11 +2,12 @@
 //!
 //! A row is kept, which is paper at first, and line after line what changes is painted over it, a byte at a time. What goes out are copies of it.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use super::changes::Shown;
 use super::{Encode, Part, Restart, Strip};
-use crate::run::{Header, Lines, Rgb, Run, WHITE};
+use crate::run::{Header, Inks, Lines, Rgb, Run};
 
 /// A byte of equal pixels of `depth` bits (1, 2, 4 or 8): at 2 bits, pixel 3 is 3 · 0b01010101.
 pub fn spread(depth: u32, pixel: u8) -> u8 {
@@ -39,22 +40,44 @@ fn fill_bits(row: &mut [u8], start: usize, end: usize, pattern: u8) {
 }
 
 /// Sixteen equal pixels of three bytes, which are whole registers of any width.
-pub type Block = [u8; 48];
+type Block = [u8; 48];
 
-/// The blocks of paper and of the inks.
-pub fn blocks(inks: &[Rgb]) -> Vec<Block> {
-    let block = |ink: &Rgb| {
-        let mut block = [0; 48];
-        block.as_chunks_mut().0.fill(*ink);
-        block
-    };
-    [WHITE].iter().chain(inks).map(block).collect()
+fn block(colour: Rgb) -> Block {
+    let mut block = [0; 48];
+    block.as_chunks_mut().0.fill(colour);
+    block
 }
 
-/// Writes the pixels of `runs` into `row` at three bytes a pixel; their inks index `blocks`.
-pub fn rgb(row: &mut [u8], runs: &[Run], blocks: &[Block]) {
+/// What paints runs at three bytes a pixel; their inks are as in [`Shown::changes`].
+pub enum Colours {
+    /// The blocks of paper and of the inks.
+    Listed(Vec<Block>),
+    /// They are made for every run.
+    Shaded(Inks),
+}
+
+impl Colours {
+    /// Of a raster's paper and inks.
+    pub fn new(inks: &Inks) -> Colours {
+        match inks {
+            Inks::Listed(list) => Colours::Listed((0..=list.len() as u32).map(|pixel| block(inks.pixel(pixel))).collect()),
+            Inks::Shaded { .. } => Colours::Shaded(inks.clone()),
+        }
+    }
+
+    /// Writes the pixels of `runs` into `row`.
+    pub fn paint(&self, row: &mut [u8], runs: &[Run]) {
+        match self {
+            Colours::Listed(blocks) => rgb(row, runs, |pixel| &blocks[pixel as usize]),
+            Colours::Shaded(inks) => rgb(row, runs, |pixel| block(inks.pixel(pixel))),
+        }
+    }
+}
+
+fn rgb<B: Borrow<Block>>(row: &mut [u8], runs: &[Run], block: impl Fn(u32) -> B) {
     for run in runs {
-        let block = &blocks[run.ink as usize];
+        let block = block(run.ink);
+        let block = block.borrow();
         let (whole, rest) = row[run.start as usize * 3..run.end as usize * 3].as_chunks_mut();
         whole.iter_mut().for_each(|pixels| *pixels = *block);
         rest.copy_from_slice(&block[..rest.len()]);
@@ -65,12 +88,14 @@ pub fn rgb(row: &mut [u8], runs: &[Run], blocks: &[Block]) {
 /// cost more on the way than they save in it.
 const STRIP_BYTES: usize = 1 << 19;
 
-/// A writer of `head` and then rows of pixels of `depth` bits, which are bytes `paper` before `paint` writes changes over them, as [`Shown`] gives
-/// them.
-pub fn plain(head: String, header: &Header, depth: u32, paper: u8, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+/// A writer of `head` and then rows of pixels of `depth` bits, over which `paint` writes paper and then changes, as [`Shown`] gives them. What fills up
+/// a row's last byte is 0.
+pub fn plain(head: String, header: &Header, depth: u32, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
     let shown = Shown::new(header.width, depth);
     let raster = header.lines.clone();
-    Box::new(Plain { head, next: raster.start, raster, row: vec![paper; shown.row_bytes()], shown, paint })
+    let mut row = vec![0; shown.row_bytes()];
+    paint(&[shown.paper()], &mut row);
+    Box::new(Plain { head, next: raster.start, raster, row, shown, paint })
 }
 
 struct Plain<P> {

@@ -4,6 +4,7 @@ use super::extents::{Bounds, Extents, join};
 use crate::edge::Placement;
 use crate::error::Result;
 use crate::grid::NEAR;
+use crate::run::Hex;
 use crate::scene::{Limits, Scene};
 use crate::shape::Shape;
 use crate::shape::flatten::Flattening;
@@ -80,7 +81,6 @@ pub fn info(scene: &Scene) -> Result<Info> {
         .iter()
         .map(|named| {
             let bounds = extents.of(named.area).map(|[[left, top], [right, bottom]]| [left, top, right, bottom]);
-            let [r, g, b] = named.ink.unwrap_or_default();
             Entry {
                 id: named.id.clone(),
                 kind: named.kind,
@@ -88,7 +88,7 @@ pub fn info(scene: &Scene) -> Result<Info> {
                 bounds,
                 bounds_mm: bounds.map(|b| b.map(|x| x * MM)),
                 edges: named.shapes.iter().map(edges).sum(),
-                ink: named.ink.map(|_| format!("#{r:02x}{g:02x}{b:02x}")),
+                ink: named.ink.map(|ink| Hex::of(ink).to_string()),
             }
         })
         .collect();

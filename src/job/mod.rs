@@ -35,7 +35,7 @@ use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::{Cost, Counting};
 use crate::region::{Picture, Rows};
-use crate::run::{BLACK, Header, MAX_INKS, Rgb};
+use crate::run::{BLACK, Header, Inks, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
 use crate::shape::{FillRule, Shape};
 
@@ -174,7 +174,7 @@ impl Job {
         Ok(Job {
             edges: outlines.seen,
             picture: Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting)),
-            header: Header { width: page.width, lines, inks, dpi },
+            header: Header { width: page.width, lines, inks: Inks::Listed(inks), dpi },
             band: band_height(page.height),
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),

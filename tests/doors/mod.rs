@@ -47,9 +47,10 @@ pub fn svg(bytes: &[u8]) {
 pub fn stream(bytes: &[u8]) {
     let mut input: &mut dyn BufRead = &mut &*bytes;
     let Some(mut reader) = told(LineReader::open(&mut input), &[], bytes) else { return };
-    let (width, inks, mut y) = (reader.header().width, reader.header().inks.len(), reader.header().lines.start);
+    let header = reader.header().clone();
+    let mut y = header.lines.start;
     while let Some(Some(lines)) = told(reader.next_lines(), &[], bytes) {
-        assert!(lines.check(width, inks) && lines.y == y);
+        assert!(lines.check(&header) && lines.y == y);
         y += lines.n;
     }
 }

@@ -77,7 +77,7 @@ pub fn ours(document: &[u8], expr: Option<&str>, scale: f64) -> Result<Picture, 
     while let Some(lines) = rows.next() {
         let mut row = vec![None; header.width as usize];
         for run in lines.runs {
-            row[run.start as usize..run.end as usize].fill(Some(header.inks[run.ink as usize]));
+            row[run.start as usize..run.end as usize].fill(Some(header.inks.colour(run.ink)));
         }
         (0..lines.n).for_each(|_| picture.pixels.extend_from_slice(&row));
     }

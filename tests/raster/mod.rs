@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use runset::encode::{self, Encode, Strip};
-use runset::run::{Header, Lines, Rgb, Run};
+use runset::run::{Header, Inks, Lines, Rgb, Run, ink_of};
 
 /// SplitMix64: the same numbers from the same seed, everywhere.
 pub struct Rng(pub u64);
@@ -33,20 +33,25 @@ pub struct Raster {
 
 impl Raster {
     /// Rows of all kinds: empty, full, noise, a few runs; many are repeated, some for a long time.
-    pub fn random(rng: &mut Rng, width: u32, lines: Range<u32>, inks: Vec<Rgb>) -> Raster {
-        let top = inks.len() as u32;
+    pub fn random(rng: &mut Rng, width: u32, lines: Range<u32>, inks: Inks) -> Raster {
+        // Of all colours a few, paper's and black among them.
+        let pixels: Vec<u32> = match &inks {
+            Inks::Listed(list) => (0..=list.len() as u32).collect(),
+            Inks::Shaded { paper } => [0, ink_of(*paper) + 1, 1].into_iter().chain((0..6).map(|_| 1 + rng.below(1 << 24))).collect(),
+        };
+        let top = pixels.len() as u32 - 1;
         let mut rows: Vec<Vec<u32>> = Vec::new();
         while rows.len() < lines.len() {
             let noise = rng.below(3) == 0;
             let mut row = vec![0; width as usize];
             match rng.below(6) {
                 0 => {}
-                1 => row.fill(top),
-                _ if noise => row.iter_mut().for_each(|p| *p = rng.below(top + 1)),
+                1 => row.fill(pixels[top as usize]),
+                _ if noise => row.iter_mut().for_each(|p| *p = pixels[rng.below(top + 1) as usize]),
                 _ => {
                     for _ in 0..rng.below(8) {
                         let (a, b, ink) = (rng.below(width), rng.below(width), rng.below(top + 1));
-                        row[a.min(b) as usize..=a.max(b) as usize].fill(ink);
+                        row[a.min(b) as usize..=a.max(b) as usize].fill(pixels[ink as usize]);
                     }
                 }
             }
@@ -59,9 +64,11 @@ impl Raster {
 
     /// The colour of a pixel.
     pub fn colour(&self, x: usize, y: usize) -> Rgb {
-        match self.rows[y][x] {
-            0 => [255; 3],
-            ink => self.header.inks[ink as usize - 1],
+        match (&self.header.inks, self.rows[y][x]) {
+            (Inks::Listed(_), 0) => [255; 3],
+            (Inks::Listed(list), pixel) => list[pixel as usize - 1],
+            (Inks::Shaded { paper }, 0) => *paper,
+            (Inks::Shaded { .. }, pixel) => [16, 8, 0].map(|bit| ((pixel - 1) >> bit) as u8),
         }
     }
 
@@ -149,8 +156,13 @@ pub fn runs(row: &[u32]) -> Vec<Run> {
 }
 
 /// `n` distinct inks; the first is black.
-pub fn inks(n: usize) -> Vec<Rgb> {
-    (0..n as u32).map(|i| [(i * 89) as u8, (i * 5) as u8, (i * 37 / 256 * 11) as u8]).collect()
+pub fn inks(n: usize) -> Inks {
+    Inks::Listed((0..n as u32).map(|i| [(i * 89) as u8, (i * 5) as u8, (i * 37 / 256 * 11) as u8]).collect())
+}
+
+/// Any colours, on papers of all kinds.
+pub fn shaded() -> [Inks; 4] {
+    [[255; 3], [0; 3], [255, 255, 229], [1, 0, 0]].map(|paper| Inks::Shaded { paper })
 }
 
 /// Where a program is, if it is installed. Without it the test that asks is skipped, which is said, and fails where `CI` is `true`.

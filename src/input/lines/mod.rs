@@ -19,7 +19,7 @@ use std::ops::Range;
 use crate::checksum::Checksum;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
-use crate::run::{Header, Lines, Rgb, Run};
+use crate::run::{Header, Hex, Inks, Lines, Rgb, Run};
 
 /// A result whose message still lacks its place.
 type Checked<T = ()> = std::result::Result<T, String>;
@@ -99,7 +99,7 @@ struct Raster {
 }
 
 impl Raster {
-    fn new(width: u32, lines: Range<u32>, inks: Vec<Rgb>) -> Raster {
+    fn new(width: u32, lines: Range<u32>, inks: Inks) -> Raster {
         let header = Header { width, lines, inks, dpi: None };
         Raster { sum: Checksum::new(&header), y: header.lines.start, n: 0, runs: Vec::new(), header }
     }
@@ -127,8 +127,8 @@ impl Raster {
         if end > u64::from(*width) {
             return Err(format!("the run from {start} to {end} leaves the width of {width}"));
         }
-        if ink >= inks.len() as u64 {
-            return Err(format!("ink {ink} of {}; they count from 0", inks.len()));
+        if ink >= inks.end().into() {
+            return Err(format!("ink {ink} of {}; they count from 0", inks.end()));
         }
         let run = Run { start: start as u32, end: end as u32, ink: ink as u32 };
         match self.runs.last() {
@@ -148,7 +148,7 @@ impl Raster {
     /// Closes the record.
     fn record(&mut self) {
         let lines = Lines { y: self.y, n: self.n, runs: &self.runs };
-        debug_assert!(lines.check(self.header.width, self.header.inks.len()));
+        debug_assert!(lines.check(&self.header));
         self.sum.add(lines);
         self.y += self.n;
     }
@@ -195,7 +195,7 @@ fn check_inks(inks: &[Rgb]) -> Checked {
     let mut sorted = inks.to_vec();
     sorted.sort_unstable();
     match sorted.windows(2).find(|w| w[0] == w[1]) {
-        Some(&[[r, g, b], _]) => Err(format!("the ink #{r:02x}{g:02x}{b:02x} is there twice; inks are distinct")),
+        Some(&[ink, _]) => Err(format!("the ink {} is there twice; inks are distinct", Hex::of(ink))),
         _ => Ok(()),
     }
 }

@@ -7,12 +7,12 @@ use std::io::{BufRead, Read};
 
 use super::{Raster, check_inks, check_lines, check_width, failed, malformed};
 use crate::error::{Error, Place, Result};
-use crate::run::{MAX_INKS, Rgb};
+use crate::run::{Hex, Inks, MAX_INKS, Rgb, Told, ink_of};
 
 /// Longest header, in bytes: a colour and its quotes, a comma and some blanks for every ink.
 const MAX_HEADER_BYTES: u64 = 1024 + 16 * MAX_INKS as u64;
 
-/// Longest record, in bytes: for every pixel a run with its brackets and commas (at most 24 bytes) and some blanks.
+/// Longest record, in bytes: for every pixel a run with its brackets and commas (at most 28 bytes) and some blanks.
 fn max_record_bytes(width: u32) -> u64 {
     1024 + 32 * u64::from(width)
 }
@@ -103,14 +103,30 @@ fn header(line: &mut Cursor<'_>) -> Parsed<Raster> {
         return Err((height_at, format!("the height is {height}, and there are {} lines from {from} to {to}", to - from)));
     }
     let at = line.key("inks")?;
+    let inks = if line.peek() == Some(b'"') { shaded(line)? } else { listed(line, at)? };
+    line.finish()?;
+    Ok(Raster::new(width, lines, inks))
+}
+
+/// Reads a list of inks, whose key is at byte `at`.
+fn listed(line: &mut Cursor<'_>, at: usize) -> Parsed<Inks> {
     let mut inks = Vec::new();
     line.list(|line| {
         inks.push(line.colour()?);
         if inks.len() > MAX_INKS { Err((line.at, format!("more than {MAX_INKS} inks"))) } else { Ok(()) }
     })?;
     check_inks(&inks).map_err(|what| (at, what))?;
-    line.finish()?;
-    Ok(Raster::new(width, lines, inks))
+    Ok(Inks::Listed(inks))
+}
+
+/// Reads `"rgb"`, which stands in place of a list where runs tell their colours, and the colour of paper.
+fn shaded(line: &mut Cursor<'_>) -> Parsed<Inks> {
+    let (at, word) = line.text()?;
+    if word != b"rgb" {
+        return Err((at, "inks are a list of colours, or \"rgb\"".into()));
+    }
+    line.key("paper")?;
+    Ok(Inks::Shaded { paper: line.colour()? })
 }
 
 /// Reads a record into `raster`, or an end record: `false`.
@@ -128,14 +144,18 @@ fn record(line: &mut Cursor<'_>, raster: &mut Raster) -> Parsed<bool> {
     }
     let (at, n) = line.member("n")?;
     raster.begin(n).map_err(|what| (at, what))?;
-    let several = raster.header.inks.len() > 1;
+    let told = raster.header.inks.told();
     line.key("runs")?;
     line.list(|line| {
         line.token(b'[')?;
         let (at, start) = line.number()?;
         line.token(b',')?;
         let (_, end) = line.number()?;
-        let ink = if several { line.token(b',').and_then(|()| line.number())?.1 } else { 0 };
+        let ink = match told {
+            Told::Nothing => 0,
+            Told::Index => line.token(b',').and_then(|()| line.number())?.1,
+            Told::Colour => line.token(b',').and_then(|()| line.colour()).map(ink_of)?.into(),
+        };
         line.token(b']')?;
         raster.run(start, end, ink).map_err(|what| (at, what))
     })?;
@@ -247,14 +267,13 @@ impl<'a> Cursor<'a> {
 
     fn colour(&mut self) -> Parsed<Rgb> {
         let (at, text) = self.text()?;
-        let number = text.strip_prefix(b"#").and_then(|digits| hex(digits, 6));
-        let [_, rgb @ ..] = number.ok_or_else(|| (at, "expected a colour, \"#rrggbb\" in lower case".to_string()))?.to_be_bytes();
-        Ok(rgb)
+        let colour = Hex::parse(text).filter(|colour| Hex::of(*colour).as_bytes() == text);
+        colour.ok_or_else(|| (at, "expected a colour, \"#rrggbb\" in lower case".to_string()))
     }
 
     fn crc32(&mut self) -> Parsed<u32> {
         let (at, text) = self.text()?;
-        hex(text, 8).ok_or_else(|| (at, "expected eight hexadecimal digits in lower case".to_string()))
+        hex(text).ok_or_else(|| (at, "expected eight hexadecimal digits in lower case".to_string()))
     }
 
     /// The end of the record and of the line.
@@ -267,8 +286,8 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// The number of `len` hexadecimal digits in lower case, 8 at most.
-fn hex(digits: &[u8], len: usize) -> Option<u32> {
+/// The number of eight hexadecimal digits in lower case.
+fn hex(digits: &[u8]) -> Option<u32> {
     let value = |byte: &u8| (*byte as char).to_digit(16).filter(|_| !byte.is_ascii_uppercase());
-    (digits.len() == len).then(|| digits.iter().try_fold(0, |sum, byte| Some(sum << 4 | value(byte)?)))?
+    (digits.len() == 8).then(|| digits.iter().try_fold(0, |sum, byte| Some(sum << 4 | value(byte)?)))?
 }

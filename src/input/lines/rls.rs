@@ -4,7 +4,7 @@ use std::io::BufRead;
 
 use super::{Raster, check_inks, check_lines, check_width, malformed, next_bytes};
 use crate::error::{Error, Result};
-use crate::run::MAX_INKS;
+use crate::run::{Inks, MAX_INKS, Told, ink_of};
 
 /// What every stream begins with.
 pub const MAGIC: [u8; 8] = *b"\x89RLS\r\n\x1a\n";
@@ -12,8 +12,9 @@ pub const MAGIC: [u8; 8] = *b"\x89RLS\r\n\x1a\n";
 /// The version that is read.
 const VERSION: u64 = 1;
 
-/// The kind of stream that is read: runs show inks.
-const INKS: u64 = 0;
+/// The kinds of streams: runs show inks of a list, or carry their colours.
+const LISTED: u64 = 0;
+const SHADED: u64 = 1;
 
 /// Bytes held at a time, at most.
 const PIECE: usize = 1 << 16;
@@ -45,13 +46,18 @@ impl<'i> Reader<'i> {
         }
         let at = self.place();
         let kind = self.number()?;
-        if kind != INKS {
-            return Err(place(at, format!("a stream of kind {kind}; this program reads kind {INKS}, runs of inks")));
+        if kind != LISTED && kind != SHADED {
+            let what =
+                format!("a stream of kind {kind}; this program reads kind {LISTED}, runs of inks, and kind {SHADED}, runs of colours");
+            return Err(place(at, what));
         }
         let at = self.place();
         let width = check_width(self.number()?).map_err(|what| place(at, what))?;
         let at = self.place();
         let lines = check_lines(self.number()?, self.number()?).map_err(|what| place(at, what))?;
+        if kind == SHADED {
+            return Ok(Raster::new(width, lines, Inks::Shaded { paper: self.bytes()? }));
+        }
         let at = self.place();
         let count = self.number()?;
         if count > MAX_INKS as u64 {
@@ -59,7 +65,7 @@ impl<'i> Reader<'i> {
         }
         let inks = (0..count).map(|_| self.bytes()).collect::<Result<Vec<_>>>()?;
         check_inks(&inks).map_err(|what| place(at, what))?;
-        Ok(Raster::new(width, lines, inks))
+        Ok(Raster::new(width, lines, Inks::Listed(inks)))
     }
 
     /// Reads a record, or the end record and the end: `false`.
@@ -70,7 +76,7 @@ impl<'i> Reader<'i> {
             return self.end(raster, at);
         }
         raster.begin(n).map_err(|what| place(at, what))?;
-        let several = raster.header.inks.len() > 1;
+        let told = raster.header.inks.told();
         let count_at = self.place();
         let count = self.number()?;
         if count > u64::from(raster.header.width) {
@@ -81,7 +87,11 @@ impl<'i> Reader<'i> {
             let at = self.place();
             let start = end.saturating_add(self.number()?);
             end = start.saturating_add(self.number()?);
-            let ink = if several { self.number()? } else { 0 };
+            let ink = match told {
+                Told::Nothing => 0,
+                Told::Index => self.number()?,
+                Told::Colour => ink_of(self.bytes()?).into(),
+            };
             raster.run(start, end, ink).map_err(|what| place(at, what))?;
         }
         raster.record();

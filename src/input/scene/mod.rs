@@ -10,7 +10,7 @@ use serde::de::{DeserializeSeed as _, Error as _, MapAccess, SeqAccess, Visitor}
 
 use self::json::{Number, Reader, Text};
 use crate::error::{self, Error, Place, Places, Warning};
-use crate::run::Rgb;
+use crate::run::{Hex, Rgb};
 use crate::scene::{Area, Expression, Layer, Limits, Picture, Scene, quoted};
 
 /// Reads a JSON scene.
@@ -165,7 +165,7 @@ impl<'de> Visitor<'de> for OneLayer<'_, '_> {
                 "expr" if expr.is_none() => expr = Some(map.next_value()?),
                 "ink" if ink.is_none() => {
                     let text: Text<'de> = map.next_value()?;
-                    let colour = rgb(&text.0);
+                    let colour = Hex::parse(text.0.as_bytes());
                     let wrong = || self.0.malformed(&text, &format!("the ink {} is not a colour: write #rrggbb", quoted(&text.0)));
                     ink = Some(colour.ok_or_else(wrong)?);
                 }
@@ -176,11 +176,4 @@ impl<'de> Visitor<'de> for OneLayer<'_, '_> {
         let missing = |what: &str| A::Error::custom(format!("the layer has no {what}: add it"));
         Ok((expr.ok_or_else(|| missing("expr"))?, ink.ok_or_else(|| missing("ink"))?))
     }
-}
-
-/// The colour `#rrggbb`.
-fn rgb(text: &str) -> Option<Rgb> {
-    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
-    let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
-    Some([r, g, b])
 }

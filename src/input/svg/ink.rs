@@ -1,7 +1,7 @@
 //! The flat colour of a paint, or what stands for it.
 
 use super::notes::{Element, Notes};
-use crate::run::Rgb;
+use crate::run::{Hex, Rgb};
 
 /// What stands for a pattern.
 const PATTERN: Rgb = [0x80; 3];
@@ -18,7 +18,6 @@ pub(super) fn of(paint: &usvg::Paint, element: Element<'_>, notes: &mut Notes) -
         usvg::Paint::RadialGradient(g) => g.stops(),
     };
     let ink = gradient.first().map_or(PATTERN, |s| [s.color().red, s.color().green, s.color().blue]);
-    let [r, g, b] = ink;
-    notes.add(element, format!("gradients are not drawn yet: filled with the first stop's #{r:02x}{g:02x}{b:02x}"));
+    notes.add(element, format!("gradients are not drawn yet: filled with the first stop's {}", Hex::of(ink)));
     ink
 }

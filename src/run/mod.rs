@@ -4,16 +4,16 @@
 //! once. [`Merge`] turns them into records: maximal groups of equal lines, broken at multiples of
 //! [`RECORD_LINES`], so that no record depends on how the page was cut into bands.
 
+mod colour;
+mod inks;
+
+pub use colour::{BLACK, Hex, Rgb, WHITE};
+pub use inks::{Inks, MAX_INKS, Told, colour_of, ink_of};
+
 use std::ops::Range;
 
 /// Records break at multiples of this many lines.
 pub const RECORD_LINES: u32 = 4096;
-
-/// Most inks of a raster: a pixel of a checksum is two bytes at most, and 0 is paper.
-pub const MAX_INKS: usize = 65_535;
-
-/// A colour: red, green, blue, 0 to 255.
-pub type Rgb = [u8; 3];
 
 /// Pixels `start..end` of a line that show `ink`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,7 +22,7 @@ pub struct Run {
     pub start: u32,
     /// Column behind the last.
     pub end: u32,
-    /// Index into [`Header::inks`].
+    /// What they show: [`Header::inks`] says how.
     pub ink: u32,
 }
 
@@ -33,17 +33,11 @@ pub struct Header {
     pub width: u32,
     /// The scanlines it holds; the first is not 0 in a slice of a page.
     pub lines: Range<u32>,
-    /// The distinct inks in the order of first use. One region is one ink, black.
-    pub inks: Vec<Rgb>,
+    /// What its runs show, and what paper is.
+    pub inks: Inks,
     /// Resolution in dots an inch, where it was asked for.
     pub dpi: Option<f64>,
 }
-
-/// The ink of a region that was given no colour.
-pub const BLACK: Rgb = [0, 0, 0];
-
-/// What paper is, where it has a colour.
-pub const WHITE: Rgb = [255; 3];
 
 impl Header {
     /// Number of lines.
@@ -64,10 +58,11 @@ pub struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// Whether the invariants of the type hold on a page `width` pixels wide with `inks` inks.
-    pub fn check(&self, width: u32, inks: usize) -> bool {
+    /// Whether the invariants of the type hold in a raster of that width and those inks.
+    pub fn check(&self, header: &Header) -> bool {
+        let (width, inks) = (header.width, header.inks.end());
         let ordered = self.runs.windows(2).all(|w| w[0].end < w[1].start || (w[0].end == w[1].start && w[0].ink != w[1].ink));
-        self.n >= 1 && ordered && self.runs.iter().all(|r| r.start < r.end && r.end <= width && (r.ink as usize) < inks)
+        self.n >= 1 && ordered && self.runs.iter().all(|r| r.start < r.end && r.end <= width && r.ink < inks)
     }
 }
 
