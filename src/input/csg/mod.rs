@@ -32,7 +32,7 @@ use crate::scene::{Formula, Limits};
 const FARTHEST: f64 = 1e30;
 
 /// Corners of outlines that booleans take, all of them together.
-const OUTLINE_WORK: u64 = 20_000_000;
+const OUTLINE_WORK: u64 = 5_000_000;
 
 /// Reads a `.csg`. Files that it names are looked for in `folder`; without one they are refused.
 ///
