@@ -378,9 +378,14 @@ fn stl_in_binary() {
     let (reading, _) = read_with(&bytes, &ModelOptions::default());
     let model = reading.unwrap().model;
     assert_eq!((picture(&model).as_str(), model.parts[0].kind), ("########..", "mesh"));
-    for end in [0, 10, 83, 84, 100, bytes.len() - 1] {
+    for (end, error) in [
+        (0, "the input is empty: expected an OpenSCAD .csg or an STL"),
+        (10, "not an STL: it is too short"),
+        (100, "not an STL: no facet follows its name, and 100 bytes are not those of 4 triangles; is the file complete?"),
+        (283, "not an STL: no facet follows its name, and 283 bytes are not those of 4 triangles; is the file complete?"),
+    ] {
         let (reading, _) = read_with(&bytes[..end], &ModelOptions::default());
-        assert!(reading.is_err(), "{end}");
+        assert_eq!(reading.unwrap_err().to_string(), error);
     }
     let nan = bytes.len() - 10;
     bytes[nan..nan + 4].copy_from_slice(&f32::NAN.to_le_bytes());

@@ -48,7 +48,7 @@ pub fn is_model(bytes: &[u8]) -> bool {
         let name = start[marks..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
         name > 0 && start[marks + name..].trim_ascii_start().starts_with(b"(")
     };
-    stl::is_binary(bytes) || stl::is_text(bytes) || start.starts_with(b"//") || start.starts_with(b"/*") || statement()
+    stl::is_binary(bytes) || stl::begins(bytes) || start.starts_with(b"//") || start.starts_with(b"/*") || statement()
 }
 
 /// Reads a model: [`read_tree`] without the tree.
@@ -68,7 +68,7 @@ pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warnin
     if bytes.len() as u64 > limits.input {
         return Err(Error::input(Kind::Limit, format!("the model is larger than {} bytes: raise --max-input", limits.input)));
     }
-    if stl::is_binary(bytes) || stl::is_text(bytes) {
+    if stl::is_binary(bytes) || stl::begins(bytes) {
         let mesh = stl::read(bytes, limits)?;
         let mut formula = Formula::default();
         let area = formula.shape(0);

@@ -24,12 +24,9 @@ use self::values::Arguments;
 use super::model::{Listed, Reading};
 use crate::error::{Error, Kind, Place, Places, Result, Warning};
 use crate::mesh::outline::{Outline, Tangled};
-use crate::mesh::{IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
+use crate::mesh::{FARTHEST, IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
 use crate::run::Rgb;
 use crate::scene::{Formula, Limits};
-
-/// Coordinates are refused from here on: their products would leave the range of 64 bits.
-const FARTHEST: f64 = 1e30;
 
 /// Corners of outlines that booleans take, all of them together.
 const OUTLINE_WORK: u64 = 5_000_000;
