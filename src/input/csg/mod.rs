@@ -134,7 +134,7 @@ impl<'d, 't> Reader<'d, 't> {
                 }
                 Begun::Open(operator) => {
                     i += 1;
-                    open.push(operator);
+                    open.push(*operator);
                 }
             }
         };
@@ -205,7 +205,7 @@ impl<'d, 't> Reader<'d, 't> {
             }
             Module::Unsupported => unreachable!("left out above"),
         }
-        Ok(Begun::Open(Open { statement: *statement, kind: module.kind, place, own: around, inner, operands: Vec::new() }))
+        Ok(Begun::Open(Box::new(Open { statement: *statement, kind: module.kind, place, own: around, inner, operands: Vec::new() })))
     }
 
     /// An outline at its place.
@@ -361,7 +361,7 @@ impl<'d, 't> Reader<'d, 't> {
 
 enum Begun {
     Leaf(Made),
-    Open(Open),
+    Open(Box<Open>),
 }
 
 fn too_far(place: Place) -> Error {
