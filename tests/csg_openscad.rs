@@ -10,12 +10,7 @@ use std::process::Command;
 use runset::input::{ModelOptions, read_model};
 use runset::mesh::check::all_placed;
 
-/// Coordinates in steps of 1e-5 of the largest: OpenSCAD writes six digits.
-fn corners(points: impl IntoIterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
-    points.into_iter().collect()
-}
-
-/// Points of each set that have no point of the other within the tolerance.
+/// Points of the first set that have no point of the other within the tolerance.
 fn alone(a: &[[f64; 3]], b: &[[f64; 3]], tolerance: f64) -> Vec<[f64; 3]> {
     let mut sorted = b.to_vec();
     sorted.sort_by(|p, q| p[0].total_cmp(&q[0]));
@@ -46,7 +41,7 @@ fn read(text: &str) -> Vec<[f64; 3]> {
     let placed = all_placed(&model, &mut warnings);
     assert!(warnings.is_empty(), "{text}: {warnings:?}");
     let used = placed.iter().flat_map(|p| p.mesh.faces.iter().flat_map(|f| f.rings.iter().flatten()).map(|&i| p.mesh.points[i as usize]));
-    corners(used)
+    used.collect()
 }
 
 fn distinct(points: &[[f64; 3]], step: f64) -> usize {
@@ -65,6 +60,7 @@ fn compare(models: &[String]) {
         let theirs = exported(folder.path(), &i.to_string(), text).unwrap();
         let ours = read(text);
         let size = theirs.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // OpenSCAD writes six digits.
         let tolerance = size * 2e-5;
         let (missing, more) = (alone(&theirs, &ours, tolerance), alone(&ours, &theirs, tolerance));
         let counts = [&theirs, &ours].map(|points| distinct(points, size * 1e-4));

@@ -40,11 +40,15 @@ pub struct Reading {
     pub tree: Vec<Listed>,
 }
 
-/// Whether a document is a model's, by how it begins: a `.csg` or an STL, not a drawing.
+/// Whether a document is a model's, by how it begins: an STL, a statement of a `.csg`, as in `cube(`, or a comment.
 pub fn is_model(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let statement = matches!(start, [b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'%' | b'#' | b'!' | b'*' | b'/', ..]);
-    stl::is_binary(bytes) || statement && !start.starts_with(b"RUNSET") && !start.starts_with(b"%PDF")
+    let statement = || {
+        let marks = start.iter().take_while(|b| b"!#%*".contains(b)).count();
+        let name = start[marks..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+        name > 0 && start[marks + name..].trim_ascii_start().starts_with(b"(")
+    };
+    stl::is_binary(bytes) || stl::begins(bytes) || start.starts_with(b"//") || start.starts_with(b"/*") || statement()
 }
 
 /// Reads a model: [`read_tree`] without the tree.
@@ -64,7 +68,7 @@ pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warnin
     if bytes.len() as u64 > limits.input {
         return Err(Error::input(Kind::Limit, format!("the model is larger than {} bytes: raise --max-input", limits.input)));
     }
-    if stl::is_binary(bytes) || stl::is_text(bytes) {
+    if stl::is_binary(bytes) || stl::begins(bytes) {
         let mesh = stl::read(bytes, limits)?;
         let mut formula = Formula::default();
         let area = formula.shape(0);

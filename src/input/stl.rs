@@ -8,26 +8,31 @@ use memchr::memchr;
 
 use crate::error::{Error, Kind, Result};
 use crate::mesh::build::Builder;
-use crate::mesh::{Mesh, Point};
+use crate::mesh::{FARTHEST, Mesh, Point};
 use crate::scene::Limits;
 
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
-
-/// Coordinates of a text are refused from here on, as those of a `.csg`.
-const FARTHEST: f64 = 1e30;
 
 /// Whether the bytes are a binary STL: their number is that of the triangles that they promise. Some begin with `solid` all the same.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     count(bytes).is_some_and(|n| bytes.len() as u64 == HEADER as u64 + TRIANGLE as u64 * u64::from(n))
 }
 
-/// Whether the bytes are a text STL: its name, then a facet or the end.
-pub(super) fn is_text(bytes: &[u8]) -> bool {
-    let start = bytes.trim_ascii_start();
-    let word = start.strip_prefix(b"solid").filter(|rest| rest.first().is_none_or(u8::is_ascii_whitespace));
-    word.is_some_and(|rest| {
-        let line = memchr(b'\n', rest).map_or(rest.len(), |end| end);
+/// Whether the bytes begin as a text STL does, and nothing else that is read.
+pub(super) fn begins(bytes: &[u8]) -> bool {
+    name(bytes).is_some()
+}
+
+/// What follows the word `solid`.
+fn name(bytes: &[u8]) -> Option<&[u8]> {
+    bytes.trim_ascii_start().strip_prefix(b"solid").filter(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+}
+
+/// Whether a facet or the end follows the name: a binary STL may begin with `solid` too.
+fn is_text(bytes: &[u8]) -> bool {
+    name(bytes).is_some_and(|rest| {
+        let line = memchr(b'\n', rest).unwrap_or(rest.len());
         let next = rest[line..].trim_ascii_start();
         next.is_empty() || next.starts_with(b"facet") || next.starts_with(b"endsolid")
     })
@@ -49,7 +54,10 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Mesh> {
     } else {
         let what = match count(bytes) {
             Some(n) => {
-                format!("not an STL: no solid begins it, and {} bytes are not those of {n} triangles; is the file complete?", bytes.len())
+                format!(
+                    "not an STL: no facet follows its name, and {} bytes are not those of {n} triangles; is the file complete?",
+                    bytes.len()
+                )
             }
             None => "not an STL: it is too short".to_owned(),
         };

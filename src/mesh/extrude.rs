@@ -62,7 +62,7 @@ impl Extrusion {
                 for part in 1..=slices {
                     let above = level(&mut mesh, part, contour);
                     let to_a_line = part == slices && self.scale.contains(&0.0);
-                    sides(&mut mesh, [&below, &above], (!plane).then_some(Diagonals { flip: (i > 0) != (twist <= 0.0), to_a_line }));
+                    sides(&mut mesh, [&below, &above], (!plane).then_some(&Diagonals { flip: (i > 0) != (twist <= 0.0), to_a_line }));
                     below = above;
                 }
                 ends[0].push(bottom.ids.into_iter().rev().collect());
@@ -91,12 +91,12 @@ struct Diagonals {
     to_a_line: bool,
 }
 
-fn sides(mesh: &mut Builder, [below, above]: [&Level; 2], diagonals: Option<Diagonals>) {
+fn sides(mesh: &mut Builder, [below, above]: [&Level; 2], diagonals: Option<&Diagonals>) {
     let n = below.ids.len();
     for i in 0..n {
         let j = (i + 1) % n;
         let [a, b, c, d] = [below.ids[i], below.ids[j], above.ids[j], above.ids[i]];
-        match &diagonals {
+        match diagonals {
             None => mesh.face([vec![a, b, c, d]]),
             Some(how) => {
                 let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
@@ -158,9 +158,9 @@ pub fn turned(shapes: &Shapes, angle: f64, sides: u32) -> Mesh {
             if !whole {
                 let [mut start, mut end] = [first, before];
                 if flip {
-                    start.reverse()
+                    start.reverse();
                 } else {
-                    end.reverse()
+                    end.reverse();
                 }
                 ends[0].push(start);
                 ends[1].push(end);

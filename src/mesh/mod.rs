@@ -23,6 +23,9 @@ use crate::scene::{Area, Formula};
 /// A point in space, in the model's units (millimetres for most).
 pub type Point = [f64; 3];
 
+/// Coordinates are refused from here on: their products would leave the range of 64 bits.
+pub const FARTHEST: f64 = 1e30;
+
 /// A surface of plane faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {

@@ -211,3 +211,50 @@ fn info_is_a_table_or_an_object() {
     let ids = [entry("a", [1.0, 1.0, 9.0, 9.0]), entry("b", [5.0, 1.0, 13.0, 9.0])];
     assert_eq!(object, serde_json::json!({"width": 16.0, "height": 10.0, "ids": ids}));
 }
+
+#[test]
+fn info_shows_the_tree_of_a_model() {
+    let folder = Folder::new();
+    folder.put("part.csg", "difference() {\n\tcolor([1, 0, 0, 1]) {\n\t\tcube(size = [4, 2, 1], center = true);\n\t}\n\tcylinder($fn = 8, h = 9, r1 = 1, r2 = 1);\n}\n");
+    let table = "2 primitives, 16 faces from -2.00 -1.00 -0.50 to 2.00 1.00 0.50\n\n\
+                 statement   line  faces      x      y      z                size  color\n\
+                 difference     1      -      -      -      -                   -  -\n  \
+                   color        2      -      -      -      -                   -  -\n    \
+                     cube       3      6  -2.00  -1.00  -0.50  4.00 x 2.00 x 1.00  #ff0000\n  \
+                   cylinder     5     10  -1.00  -1.00   0.00  2.00 x 2.00 x 9.00  -\n";
+    assert_eq!(String::from_utf8_lossy(folder.run("info part.csg").done()), table);
+    let object: serde_json::Value = serde_json::from_slice(folder.run("info part.csg --json").done()).unwrap();
+    assert_eq!(
+        (&object["primitives"], &object["faces"], &object["bounds"]),
+        (&2.into(), &16.into(), &serde_json::json!([[-2.0, -1.0, -0.5], [2.0, 1.0, 0.5]]))
+    );
+    let cube = serde_json::json!({"kind": "cube", "line": 3, "column": 3, "depth": 2, "primitive": 1, "faces": 6,
+        "bounds": [[-2.0, -1.0, -0.5], [2.0, 1.0, 0.5]], "color": "#ff0000"});
+    assert_eq!(object["tree"][2], cube);
+    folder.put("bad.csg", "union() {\n  cube(1;\n}\n");
+    folder.run("info bad.csg").refused(1, "bad.csg:2:9: unexpected ;; expected , or )");
+    folder.put("text.csg", "cube(1);\ntext(text = \"a\");\n");
+    let ran = folder.run("info text.csg");
+    assert_eq!(
+        (ran.status, ran.stderr.as_str()),
+        (Some(0), "text.csg:2:1: warning: text is not supported: it and what it holds are left out, as if empty\n")
+    );
+}
+
+#[test]
+fn openscad_evaluates_programs() {
+    let folder = Folder::new();
+    folder.put("a.scad", "for (i = [0 : 2]) translate([2 * i, 0, 0]) cube(1);");
+    let mut without = folder.runset("info a.scad");
+    without.env("PATH", folder.path("."));
+    ran(without.output().unwrap())
+        .refused(1, "a.scad: a .scad needs openscad, which is not on the PATH: install it, or give a .csg (openscad -o model.csg)");
+    if have("openscad", "programs") {
+        let object: serde_json::Value = serde_json::from_slice(folder.run("info a.scad --json").done()).unwrap();
+        assert_eq!(object["bounds"], serde_json::json!([[0.0, 0.0, 0.0], [5.0, 1.0, 1.0]]));
+        folder.put("b.scad", "cube(1);\nassert(false);\n");
+        folder.run("info b.scad").refused(1, "b.scad: openscad: Assertion 'false' failed in file b.scad, line 2");
+        folder.put("c.scad", "cube(1;\n");
+        folder.run("info c.scad").refused(1, "c.scad: openscad: Parser error: syntax error in file c.scad, line 1");
+    }
+}

@@ -7,6 +7,8 @@ use std::io::BufRead;
 
 use runset::error::{Error, Result, Warning};
 use runset::input::lines::LineReader;
+use runset::input::{ModelOptions, read_tree};
+use runset::mesh::check::all_placed;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
 use runset::shape::{Path, Shape, Transform};
 
@@ -15,7 +17,33 @@ type Door = fn(&[u8]);
 
 /// All doors by name; a folder of `fuzz/corpus` and a target of `fuzz/fuzz_targets` belong to each.
 #[allow(dead_code)] // the fuzz targets take one each
-pub const DOORS: [(&str, Door); 4] = [("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
+pub const DOORS: [(&str, Door); 5] = [("csg", csg), ("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
+
+/// A model: an OpenSCAD tree or an STL. What was let in is put in its place.
+pub fn csg(bytes: &[u8]) {
+    let mut warnings = Vec::new();
+    let options = ModelOptions { limits: limits(), folder: None };
+    let reading = read_tree(bytes, &options, &mut warnings);
+    let Some(reading) = told(reading, &warnings, bytes) else { return };
+    let model = &reading.model;
+    let placed = all_placed(model, &mut warnings);
+    told(Ok(()), &warnings, bytes);
+    for placed in &placed {
+        let mesh = &placed.mesh;
+        assert!(mesh.points.iter().flatten().all(|x| x.is_finite()));
+        for ring in mesh.faces.iter().flat_map(|face| &face.rings) {
+            assert!(ring.len() > 2 && ring.iter().all(|&i| (i as usize) < mesh.points.len()));
+        }
+    }
+    assert!(reading.tree.iter().filter_map(|l| l.part).all(|part| (part as usize) < model.parts.len()));
+    let gates = model.formula.gates();
+    for gate in gates {
+        match gate {
+            Gate::Shape(i) => assert!((*i as usize) < model.parts.len()),
+            Gate::AtLeast(_, inputs) | Gate::Odd(inputs) => assert!(inputs.iter().all(|i| i.area.index() < gates.len())),
+        }
+    }
+}
 
 /// An expression, over a scene with the names `a`, `b` and `c-d`.
 pub fn expression(bytes: &[u8]) {
@@ -80,7 +108,7 @@ fn document(bytes: &[u8]) {
 
 /// Small limits, so that a small input can pass them.
 fn limits() -> Limits {
-    Limits { input: 1 << 20, edges: 10_000, nodes: 1000, ..Limits::default() }
+    Limits { input: 1 << 20, edges: 10_000, nodes: 1000, faces: 10_000, fragments: 1000, depth: 100, ..Limits::default() }
 }
 
 fn told<T>(result: Result<T>, warnings: &[Warning], bytes: &[u8]) -> Option<T> {

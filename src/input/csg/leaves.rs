@@ -38,12 +38,15 @@ pub(super) fn matrix(arguments: &Arguments<'_, '_>) -> Result<Matrix> {
 pub(super) fn color(arguments: &Arguments<'_, '_>, place: Place, warnings: &mut Vec<Warning>) -> Result<Option<Rgb>> {
     let Some(value) = arguments.get("c") else { return Ok(None) };
     if let Some(name) = value.words() {
-        let color = svgtypes::Color::from_str(&name).ok();
+        let name = name.to_ascii_lowercase();
+        let color = svgtypes::Color::from_str(&name).ok().map(|c| [c.red, c.green, c.blue]);
+        // The one name that CSS has and SVG 1.1 has not.
+        let color = color.or((name == "rebeccapurple").then_some([102, 51, 153]));
         if color.is_none() {
             let what = format!("the colour {} is unknown: it is ignored", crate::scene::quoted(&name));
             warnings.push(Warning { place: Some(place), ..Warning::input(what) });
         }
-        return Ok(color.map(|c| [c.red, c.green, c.blue]));
+        return Ok(color);
     }
     let wrong = || arguments.wrong(&value, "the colour must be a name or a list of three or four numbers");
     let [r, g, b, a] = match value.numbers::<3>() {

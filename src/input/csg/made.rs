@@ -272,6 +272,7 @@ impl Reader<'_, '_> {
     pub(super) fn hull(&mut self, operands: Vec<Made>, own: Surroundings, place: Place) -> Result<Made> {
         match self.combined(operands, Module::Union, Purpose::Hull, place)? {
             Made::Flat(outline) => {
+                self.work(&outline, place)?;
                 let hull = hull::plane(&outline);
                 Ok(Made::Flat(self.moved(hull, &own, place)?))
             }

@@ -24,15 +24,12 @@ use self::values::Arguments;
 use super::model::{Listed, Reading};
 use crate::error::{Error, Kind, Place, Places, Result, Warning};
 use crate::mesh::outline::{Outline, Tangled};
-use crate::mesh::{IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
+use crate::mesh::{FARTHEST, IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
 use crate::run::Rgb;
 use crate::scene::{Formula, Limits};
 
-/// Coordinates are refused from here on: their products would leave the range of 64 bits.
-const FARTHEST: f64 = 1e30;
-
 /// Corners of outlines that booleans take, all of them together.
-const OUTLINE_WORK: u64 = 20_000_000;
+const OUTLINE_WORK: u64 = 5_000_000;
 
 /// Reads a `.csg`. Files that it names are looked for in `folder`; without one they are refused.
 ///
@@ -137,7 +134,7 @@ impl<'d, 't> Reader<'d, 't> {
                 }
                 Begun::Open(operator) => {
                     i += 1;
-                    open.push(operator);
+                    open.push(*operator);
                 }
             }
         };
@@ -208,7 +205,7 @@ impl<'d, 't> Reader<'d, 't> {
             }
             Module::Unsupported => unreachable!("left out above"),
         }
-        Ok(Begun::Open(Open { statement: *statement, kind: module.kind, place, own: around, inner, operands: Vec::new() }))
+        Ok(Begun::Open(Box::new(Open { statement: *statement, kind: module.kind, place, own: around, inner, operands: Vec::new() })))
     }
 
     /// An outline at its place.
@@ -364,7 +361,7 @@ impl<'d, 't> Reader<'d, 't> {
 
 enum Begun {
     Leaf(Made),
-    Open(Open),
+    Open(Box<Open>),
 }
 
 fn too_far(place: Place) -> Error {
