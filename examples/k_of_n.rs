@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
         while let Some(lines) = rows.next() {
             pixels += lines.runs.iter().map(|run| u64::from(run.end - run.start)).sum::<u64>() * u64::from(lines.n);
         }
-        println!("{k:2} of 12: {pixels:6} pixels, {:4} crossings counted", rows.cost().toggles);
+        println!("{k:2} of 12: {pixels:6} pixels, {:4} crossings counted", rows.cost().rows.toggles);
     }
     Ok(())
 }

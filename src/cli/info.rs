@@ -55,7 +55,7 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
         false => source.read(limits.input)?,
     };
     if is_model(&bytes) {
-        return model(args, &bytes, limits, ends);
+        return model(args, &bytes, &ModelOptions { limits, folder: source.folder() }, ends);
     }
     let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();
@@ -67,10 +67,9 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
 }
 
 /// The same for a model.
-fn model(args: &Inspect, bytes: &[u8], limits: Limits, ends: Ends<'_>) -> Result<(), Failure> {
-    let folder = (args.input.as_os_str() != "-").then(|| args.input.parent().unwrap_or(&args.input).to_owned());
+fn model(args: &Inspect, bytes: &[u8], options: &ModelOptions, ends: Ends<'_>) -> Result<(), Failure> {
     let mut warnings = Vec::new();
-    let reading = read_tree(bytes, &ModelOptions { limits, folder }, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let reading = read_tree(bytes, options, &mut warnings).map_err(|error| ends.failure(&error))?;
     let info = model_info(&reading, &mut warnings);
     drop(reading);
     ends.warn(&warnings, false)?;

@@ -81,6 +81,11 @@ impl Source {
         name(self.path.as_deref())
     }
 
+    /// The folder that it is in; none for standard input.
+    pub fn folder(&self) -> Option<PathBuf> {
+        self.path.as_ref().map(|path| path.parent().unwrap_or(path).to_owned())
+    }
+
     /// What the system knows of it.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata

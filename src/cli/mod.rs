@@ -16,6 +16,7 @@ mod scad;
 #[cfg(feature = "serve")]
 mod serve;
 mod signals;
+mod solid;
 mod table;
 mod tree;
 mod values;
@@ -51,6 +52,7 @@ struct Cli {
 enum Command {
     Fill(fill::Fill),
     Convert(convert::Convert),
+    Solid(solid::Solid),
     #[cfg(feature = "serve")]
     Serve(serve::Serve),
     Info(info::Inspect),
@@ -63,6 +65,7 @@ enum Command {
 pub fn run(started: Instant) -> ExitCode {
     let result = Cli::try_parse().map_err(|error| messages::usage(&error)).and_then(|cli| match cli.command {
         Command::Fill(args) => fill::run(&args, started),
+        Command::Solid(args) => solid::run(&args, started),
         Command::Convert(args) => convert::run(&args),
         #[cfg(feature = "serve")]
         Command::Serve(args) => serve::run(&args),

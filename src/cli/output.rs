@@ -26,17 +26,30 @@ pub struct Target {
     #[arg(short = 'o', long = "output", value_name = "OUT", value_hint = clap::ValueHint::FilePath)]
     path: Option<PathBuf>,
 
-    /// Format of the output [default: from OUT's extension, else ndjson]
+    /// Format of the output [default: from OUT's extension, else ndjson; png for solid]
     #[arg(long, value_name = "FORMAT", value_parser = values::format())]
     format: Option<&'static Format>,
 }
 
 impl Target {
+    /// A file of that name.
+    pub fn named(path: &Path) -> Target {
+        Target { path: Some(path.to_owned()), format: None }
+    }
+
     /// The format that was asked for, or that the extension of the output's name says.
     ///
     /// # Errors
     /// No format has that extension.
     pub fn format(&self) -> Result<&'static Format, Failure> {
+        self.format_or("ndjson")
+    }
+
+    /// The same with another format for an output whose name says none.
+    ///
+    /// # Errors
+    /// No format has that extension.
+    pub fn format_or(&self, default: &str) -> Result<&'static Format, Failure> {
         if let Some(format) = self.format {
             return Ok(format);
         }
@@ -46,7 +59,7 @@ impl Target {
                 let extension = extension.display();
                 Failure::Usage(format!("no format has the extension .{extension}; use one of {} or --format", known.join(", ")))
             }),
-            None => Ok(by_extension("ndjson").expect("the default format exists")),
+            None => Ok(by_extension(default).expect("the default format exists")),
         }
     }
 

@@ -17,12 +17,17 @@ mod pump;
 mod queue;
 mod render;
 mod size;
+mod solid;
+mod source;
 mod stream;
 
 pub use convert::convert;
 pub use info::{Entry, Info, info};
 pub use model::{ModelEntry, ModelInfo, model_info};
 pub use size::{Size, lines};
+pub use solid::{Aov, SolidOptions};
+use source::Source;
+pub use source::{Cost, Rows};
 pub use stream::{Checkpoint, More, Stream};
 
 use std::io::Write;
@@ -33,8 +38,8 @@ use std::time::Instant;
 use crate::count::Rule;
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
-pub use crate::region::{Cost, Counting};
-use crate::region::{Picture, Rows};
+pub use crate::region::Counting;
+use crate::region::Picture;
 use crate::run::{BLACK, Header, Inks, MAX_INKS, Rgb};
 use crate::scene::{self, Expression, Layer, Limits, Scene};
 use crate::shape::{FillRule, Shape};
@@ -111,17 +116,37 @@ pub struct Stats {
     pub first_line_seconds: f64,
     /// Threads asked for.
     pub threads: usize,
+    /// Of a model.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub solid: Option<SolidStats>,
+}
+
+/// What the picture of a model cost besides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct SolidStats {
+    /// Faces of all parts.
+    pub faces: u64,
+    /// Parts.
+    pub primitives: u64,
+    /// Spans between edges or crossings of faces.
+    pub spans: u64,
+    /// Counts along depth: one-dimensional set operations.
+    pub depth_tests: u64,
+    /// Spans that ended where faces cross.
+    pub crossings: u64,
 }
 
 /// A picture ready to be swept, from any line, by any number of threads.
 #[derive(Clone, Debug)]
 pub struct Job {
-    picture: Arc<Picture>,
+    source: Source,
     header: Header,
     band: u32,
     edges: u64,
     started: Instant,
     prepare_seconds: f64,
+    /// Faces and parts of a model.
+    solid: Option<SolidStats>,
 }
 
 impl Job {
@@ -173,11 +198,12 @@ impl Job {
         let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
         Ok(Job {
             edges: outlines.seen,
-            picture: Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting)),
+            source: Source::Plane(Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting))),
             header: Header { width: page.width, lines, inks: Inks::Listed(inks), dpi },
             band: band_height(page.height),
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
+            solid: None,
         })
     }
 
@@ -193,7 +219,7 @@ impl Job {
 
     /// The lines as runs, pulled from top to bottom. Lines that follow each other may be equal.
     pub fn rows(&self) -> Rows {
-        Rows::new(self.picture.clone(), self.header.lines.clone())
+        self.source.rows(self.header.lines.clone())
     }
 
     /// The bands: they cut the page at the same lines whatever part of it is drawn, by however many threads.

@@ -13,8 +13,8 @@
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
+use super::source::{Cost, Rows};
 use crate::encode::{Part, Strip};
-use crate::region::{Cost, Rows};
 use crate::run::Lines;
 
 /// Runs that may be stored before sweeping waits: 9 MiB of them.
@@ -240,7 +240,7 @@ impl Queue {
         if more {
             band.sweep = Some(sweep);
         } else {
-            band.cost = Some(*sweep.rows.cost());
+            band.cost = Some(sweep.rows.cost());
         }
         self.tell_writer(&mut state, place);
         self.tell_helpers(&mut state);

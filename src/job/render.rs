@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use super::pump::PORTION;
 use super::queue::{Member, Queue, Ready, Sweep, Work};
-use super::{Job, Stats, write};
+use super::source::Cost;
+use super::{Job, SolidStats, Stats, write};
 use crate::encode::{Encode, Format};
 use crate::error::{Error, Result};
-use crate::region::{Cost, Rows};
 
 impl Job {
     /// Writes the whole raster with `threads` threads. `progress` is called with the number of lines written so far, now and then. The bytes
@@ -55,22 +55,29 @@ impl Job {
         joiner.finish()?;
 
         let Joiner { lines, runs, cost, .. } = joiner;
+        let Cost { rows, spans } = cost;
         Ok(Stats {
             width: self.header.width,
             height: self.header.height(),
             edges: self.edges,
             lines,
-            lines_counted: cost.counted,
-            lines_repeated: cost.repeated,
-            lines_unordered: cost.unordered,
-            toggles: cost.toggles,
-            toggles_known: cost.known,
+            lines_counted: rows.counted,
+            lines_unordered: rows.unordered,
+            lines_repeated: rows.repeated,
+            toggles: rows.toggles,
+            toggles_known: rows.known,
             runs,
-            peak_active: cost.peak_active,
+            peak_active: rows.peak_active.max(spans.peak_active),
             prepare_seconds: self.prepare_seconds,
             seconds: swept.elapsed().as_secs_f64(),
             first_line_seconds: shared.first_line.get().map_or(0.0, Duration::as_secs_f64),
             threads,
+            solid: self.solid.map(|solid| SolidStats {
+                spans: spans.spans,
+                depth_tests: spans.counts,
+                crossings: spans.crossings,
+                ..solid
+            }),
         })
     }
 }
@@ -89,7 +96,7 @@ impl Shared<'_> {
     fn work(&self, work: Work, encoder: &mut dyn Encode) -> Option<()> {
         match work {
             Work::Sweep(band, sweep) => {
-                let sweep = sweep.unwrap_or_else(|| Sweep::new(Rows::new(self.job.picture.clone(), self.bands[band].clone())));
+                let sweep = sweep.unwrap_or_else(|| Sweep::new(self.job.source.rows(self.bands[band].clone())));
                 self.queue.sweep(band, sweep, encoder.strip_lines());
                 self.first_line.get_or_init(|| self.job.started.elapsed());
             }

@@ -13,9 +13,9 @@ use std::ops::Range;
 
 use super::Job;
 use super::pump::{PORTION, Pump};
+use super::source::{Cost, Rows};
 use crate::encode::{Format, Restart};
 use crate::error::{Error, Result};
-use crate::region::{Cost, Rows};
 use crate::run::Lines;
 
 /// About how much work is done before a portion ends, with however few bytes: edges stepped and lines written. A drawing that leaves no
@@ -138,11 +138,11 @@ impl Stream {
                     self.left = (lines.y, lines.n);
                     done += rows.stepped() as u64;
                 } else {
-                    self.cost.add(rows.cost());
+                    self.cost.add(&rows.cost());
                     self.rows = None;
                 }
             } else if let Some(band) = self.bands.next() {
-                self.rows = Some(Rows::new(self.job.picture.clone(), band));
+                self.rows = Some(self.job.source.rows(band));
             } else {
                 let given = (out.len() - before) as u64;
                 let checkpoint = self.checkpoint();
@@ -178,7 +178,7 @@ impl Stream {
     /// What the sweep has cost so far, since the checkpoint.
     pub fn cost(&self) -> Cost {
         let mut cost = self.cost;
-        self.rows.iter().for_each(|rows| cost.add(rows.cost()));
+        self.rows.iter().for_each(|rows| cost.add(&rows.cost()));
         cost
     }
 

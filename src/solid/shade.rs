@@ -121,6 +121,11 @@ impl Rows {
         &self.runs
     }
 
+    /// About how much work the last scanline was, in edges.
+    pub fn stepped(&self) -> usize {
+        self.spans.active()
+    }
+
     /// What the scanlines have cost so far.
     pub fn cost(&self) -> &Cost {
         self.spans.cost()

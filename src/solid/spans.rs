@@ -66,6 +66,16 @@ pub struct Cost {
     pub peak_active: u64,
 }
 
+impl Cost {
+    /// Adds what another walk has cost.
+    pub fn add(&mut self, other: &Cost) {
+        self.spans += other.spans;
+        self.counts += other.counts;
+        self.crossings += other.crossings;
+        self.peak_active = self.peak_active.max(other.peak_active);
+    }
+}
+
 /// The scanlines of a stage, pulled from top to bottom.
 pub struct Spans {
     stage: Arc<Stage>,
@@ -140,6 +150,11 @@ impl Spans {
     /// What the scanlines have cost so far.
     pub fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// How many edges are active on the scanline that was given last.
+    pub fn active(&self) -> usize {
+        self.sweep.list().len()
     }
 
     fn scanline(&mut self, y: u32) {

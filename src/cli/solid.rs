@@ -1,0 +1,192 @@
+//! `runset solid`: a CSG model, shown directly.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
+use runset::input::{ModelOptions, read_model};
+use runset::job::{Aov, Job, SolidOptions};
+use runset::scene::Limits;
+use runset::solid::camera::{Camera, Setup};
+use runset::solid::shade::{SCHEMES, Scheme};
+
+use super::input::{Limit, Source};
+use super::messages::{Ends, Failure, tell};
+use super::output::{Output, Target};
+use super::progress::{Progress, Watch};
+use super::{scad, values};
+
+const EXAMPLES: &str = "\
+Examples:
+  runset solid part.csg -o part.png
+      all of the model, from the default camera
+  runset solid part.csg --camera 30,-40,25,0,0,0 --imgsize 2048,2048 -o part.png
+      from an eye to a point, as OpenSCAD's options have it
+  runset solid part.scad --aov depth=part.pfm --aov primitive=part.pgm -o part.ppm
+      with depths and parts as numbers; a .scad needs openscad on the path
+  runset solid part.csg --format rls | runset convert - -o part.png
+      through a line stream";
+
+/// Show a CSG model or a mesh, directly, without computing its surface first
+///
+/// Reads OpenSCAD's .csg (what openscad -o model.csg writes), STL (binary or text), or a .scad where openscad is installed. Faces that
+/// coincide are seen as what they bound: no combs, no ghosts, however deep the tree is. Options of the camera are OpenSCAD's.
+#[derive(clap::Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Solid {
+    /// Model to read; - is standard input
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
+    input: PathBuf,
+
+    #[command(flatten)]
+    output: Target,
+
+    /// Size of the page in pixels
+    #[arg(long, value_name = "W,H", default_value = "512,512", value_parser = image_size)]
+    imgsize: (u32, u32),
+
+    /// Where the model is seen from: translate_x,y,z,rotate_x,y,z,distance or eye_x,y,z,center_x,y,z [default: from where all is seen]
+    #[arg(long, value_name = "NUMBERS", value_parser = camera, allow_hyphen_values = true)]
+    camera: Option<Camera>,
+
+    /// o: orthographic, p: perspective
+    #[arg(long, value_name = "o|p", default_value = "p")]
+    projection: Projection,
+
+    /// Go so far away that all is seen
+    #[arg(long)]
+    viewall: bool,
+
+    /// Look at the middle of the model
+    #[arg(long)]
+    autocenter: bool,
+
+    /// Colours of what has none of its own
+    #[arg(long, value_name = "NAME", default_value = SCHEMES[0].name, value_parser = scheme())]
+    colorscheme: &'static Scheme,
+
+    /// How curved surfaces are drawn: facets, as OpenSCAD has them
+    #[arg(long, value_name = "HOW", default_value = "facets")]
+    curves: Curves,
+
+    /// Also write what pixels show as numbers: primitive=F.pgm (16 bits), depth=F.pfm, normal=F.pfm; may be given several times
+    #[arg(long, value_name = "WHAT=FILE", value_parser = aov)]
+    aov: Vec<(Aov, PathBuf)>,
+
+    /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024), allow_negative_numbers = true)]
+    threads: Option<u32>,
+
+    #[command(flatten)]
+    limit: Limit,
+
+    /// Treat warnings as errors: status 1, and nothing is written
+    #[arg(long)]
+    strict: bool,
+
+    /// Print what the run cost as one JSON object, the last line on standard error (times in seconds)
+    #[arg(long)]
+    stats: bool,
+
+    #[command(flatten)]
+    watch: Watch,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Projection {
+    #[value(name = "p", alias = "perspective")]
+    Perspective,
+    #[value(name = "o", alias = "ortho", alias = "orthogonal", alias = "orthographic")]
+    Orthographic,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Curves {
+    Facets,
+}
+
+fn image_size(text: &str) -> Result<(u32, u32), String> {
+    let size = text.split_once(',').and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    let fits = |&(w, h): &(u32, u32)| (1..=MAX_WIDTH).contains(&w) && (1..=MAX_HEIGHT).contains(&h);
+    size.filter(fits).ok_or_else(|| format!("give a width from 1 to {MAX_WIDTH} and a height from 1 to {MAX_HEIGHT}, such as 1024,768"))
+}
+
+fn camera(text: &str) -> Result<Camera, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    let numbers = numbers.unwrap_or_default();
+    match (<[f64; 7]>::try_from(&numbers[..]), <[f64; 6]>::try_from(&numbers[..])) {
+        (Ok(gimbal), _) if gimbal[6] > 0.0 => Ok(Camera::Gimbal(gimbal)),
+        (Ok(_), _) => Err("the last number is the distance: give one above 0".to_owned()),
+        (_, Ok(vector)) if vector[..3] != vector[3..] => Ok(Camera::Vector(vector)),
+        (_, Ok(_)) => Err("the eye is where it looks: give two points".to_owned()),
+        _ => Err("give seven numbers, translate_x,y,z,rotate_x,y,z,distance, or six, eye_x,y,z,center_x,y,z".to_owned()),
+    }
+}
+
+fn scheme() -> impl clap::builder::TypedValueParser<Value = &'static Scheme> {
+    use clap::builder::{PossibleValuesParser, TypedValueParser};
+    let find = |name: String| SCHEMES.iter().find(|scheme| scheme.name == name).expect("one of the names listed");
+    PossibleValuesParser::new(SCHEMES.iter().map(|scheme| scheme.name)).map(find)
+}
+
+fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
+    let wrong = || "give primitive=F.pgm, depth=F.pfm or normal=F.pfm".to_owned();
+    let (what, path) = text.split_once('=').filter(|(_, path)| !path.is_empty()).ok_or_else(wrong)?;
+    let what = match what {
+        "primitive" => Aov::Primitive,
+        "depth" => Aov::Depth,
+        "normal" => Aov::Normal,
+        _ => return Err(wrong()),
+    };
+    Ok((what, PathBuf::from(path)))
+}
+
+/// Runs the subcommand. `started` is when the process began.
+///
+/// # Errors
+/// Whatever keeps the picture from being complete.
+pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
+    let format = args.output.format_or("png")?;
+    let source = Source::find(&args.input)?;
+    let mut output = Output::create(&args.output, &source, format)?;
+    let mut numbers = Vec::new();
+    for (aov, path) in &args.aov {
+        numbers.push((*aov, Output::create(&Target::named(path), &source, format)?));
+    }
+    let (input_name, output_name) = (source.name(), output.name().to_owned());
+    let ends = Ends { input: &input_name, output: &output_name };
+
+    let limits = Limits { input: args.limit.max_input, ..Limits::default() };
+    let threads = args.threads.map_or(limits.threads, |n| n as usize);
+    let bytes = if scad::is_program(&args.input) { scad::tree(&args.input, limits.input)? } else { source.read(limits.input)? };
+    let options = ModelOptions { limits, folder: source.folder() };
+    let mut warnings = Vec::new();
+    let model = read_model(&bytes, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
+    drop(bytes);
+    let (width, height) = args.imgsize;
+    let setup = Setup {
+        camera: args.camera,
+        orthographic: args.projection == Projection::Orthographic,
+        view_all: args.viewall,
+        autocenter: args.autocenter,
+        width,
+        height,
+    };
+    let options = SolidOptions { setup, scheme: *args.colorscheme, started, ..SolidOptions::default() };
+    let job = Job::solid(&model, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
+    ends.warn(&warnings, args.strict)?;
+
+    let mut progress = Progress::new(&args.watch, Some(height), output.is_terminal());
+    let stats = job.render(format, threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+    drop(progress);
+    for (aov, out) in &mut numbers {
+        let name = out.name().to_owned();
+        job.aov(*aov, out).map_err(|error| Ends { output: &name, ..ends }.failure(&error))?;
+    }
+    output.finish()?;
+    numbers.into_iter().try_for_each(|(_, out)| out.finish())?;
+    if args.stats {
+        tell(&serde_json::to_string(&stats).expect("numbers under fixed names are JSON"));
+    }
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Models of solids: what `runset solid` draws.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::source::Source;
+use super::{Job, SolidStats, band_height, write};
+use crate::count::Rule;
+use crate::error::{Error, Result, Warning};
+use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
+use crate::mesh::Model;
+use crate::mesh::check::all_placed;
+use crate::run::{Header, Inks};
+use crate::scene;
+use crate::solid::body::{Body, Plane};
+use crate::solid::camera::{Camera, Setup};
+use crate::solid::shade::{Colours, SCHEMES, Scheme};
+use crate::solid::spans::{Savings, Spans};
+use crate::solid::stage::Stage;
+
+/// What is asked of a model.
+#[derive(Clone, Debug)]
+pub struct SolidOptions {
+    /// Where it is seen from, and how large the page is.
+    pub setup: Setup,
+    /// Colours of what has none of its own.
+    pub scheme: Scheme,
+    /// Planes that cut it: what is before them, in the direction of their normals, stays.
+    pub sections: Vec<Plane>,
+    /// When the work began.
+    pub started: Instant,
+}
+
+impl Default for SolidOptions {
+    fn default() -> SolidOptions {
+        SolidOptions { setup: Setup::default(), scheme: SCHEMES[0], sections: Vec::new(), started: Instant::now() }
+    }
+}
+
+/// What a pixel shows, as a number of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// The part, counted from 1 in document order; 0 is the background. PGM, 16 bits.
+    Primitive,
+    /// Distance along the view; infinite where nothing is. PFM, little endian.
+    Depth,
+    /// The normal of the surface, in the model's coordinates, towards the eye; 0 where nothing is. PFM, little endian.
+    Normal,
+}
+
+impl Job {
+    /// A model in a view.
+    ///
+    /// # Errors
+    /// A page out of bounds; a camera that sees nothing.
+    pub fn solid(model: &Model, options: &SolidOptions, warnings: &mut Vec<Warning>) -> Result<Job> {
+        let Setup { width, height, .. } = options.setup;
+        if !(1..=MAX_WIDTH).contains(&width) || !(1..=MAX_HEIGHT).contains(&height) {
+            let what = format!("the page would be {width} x {height} px: give 1 to {MAX_WIDTH} x 1 to {MAX_HEIGHT}");
+            return Err(Error::parameter(what));
+        }
+        check(&options.setup)?;
+        let (program, leaves) = scene::compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
+        let body = Body::new(model, &all_placed(model, warnings));
+        let faces = body.faces.len() as u64;
+        let view = options.setup.view(body.bounds);
+        if body.faces.is_empty() {
+            warnings.push(Warning::input("the model is empty"));
+        }
+        let stage = Stage::new(body, program, &leaves, view, &options.sections);
+        let colours = Colours::new(&stage, &model.parts, &options.scheme);
+        Ok(Job {
+            edges: stage.edges.len() as u64,
+            source: Source::Solid(Arc::new(stage), Arc::new(colours)),
+            header: Header { width, lines: 0..height, inks: Inks::Shaded { paper: options.scheme.background }, dpi: None },
+            band: band_height(height),
+            started: options.started,
+            prepare_seconds: options.started.elapsed().as_secs_f64(),
+            solid: Some(SolidStats { faces, primitives: model.parts.len() as u64, ..SolidStats::default() }),
+        })
+    }
+
+    /// Writes what pixels show as numbers. Nothing is written for plane shapes.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn aov(&self, aov: Aov, out: &mut dyn Write) -> Result<()> {
+        let Source::Solid(stage, _) = &self.source else { return Ok(()) };
+        let [width, height] = [stage.view.width, stage.view.height];
+        let head = match aov {
+            Aov::Primitive => format!("P5\n{width} {height}\n65535\n"),
+            Aov::Depth => format!("Pf\n{width} {height}\n-1.0\n"),
+            Aov::Normal => format!("PF\n{width} {height}\n-1.0\n"),
+        };
+        let mut bytes = head.into_bytes();
+        let mut bands: Vec<_> = self.bands().collect();
+        if aov != Aov::Primitive {
+            // The bottom row comes first.
+            bands.reverse();
+        }
+        for band in bands {
+            let mut spans = Spans::new(stage.clone(), band, Savings::default());
+            let mut rows = Vec::new();
+            while let Some((y, line)) = spans.next() {
+                let mut row = vec![0_u8; width as usize * aov.pixel().len()];
+                row.chunks_exact_mut(aov.pixel().len()).for_each(|pixel| pixel.copy_from_slice(aov.pixel()));
+                for span in line {
+                    let face = &stage.faces[span.face as usize];
+                    for x in span.start..span.end {
+                        let pixel = &mut row[x as usize * aov.pixel().len()..][..aov.pixel().len()];
+                        match aov {
+                            Aov::Primitive => pixel.copy_from_slice(&((face.part + 1).min(65_535) as u16).to_be_bytes()),
+                            Aov::Depth => {
+                                let near = stage.depths[face.plane as usize].at(x, y);
+                                pixel.copy_from_slice(&(stage.view.distance(near, stage.farthest) as f32).to_le_bytes());
+                            }
+                            Aov::Normal => {
+                                let normal = stage.planes[face.plane as usize].normal;
+                                let toward = if stage.is_toward(face.plane) { normal } else { -normal };
+                                pixel.copy_from_slice(toward.to_array().map(|x| (x as f32).to_le_bytes()).as_flattened());
+                            }
+                        }
+                    }
+                }
+                rows.push(row);
+            }
+            if aov != Aov::Primitive {
+                rows.reverse();
+            }
+            rows.iter().for_each(|row| bytes.extend_from_slice(row));
+            write(out, &mut bytes)?;
+        }
+        out.flush().map_err(|error| Error::output(&error))
+    }
+}
+
+impl Aov {
+    /// A pixel of the background.
+    fn pixel(self) -> &'static [u8] {
+        match self {
+            Aov::Primitive => &[0; 2],
+            // Infinity as a 32-bit float.
+            Aov::Depth => &[0, 0, 0x80, 0x7f],
+            Aov::Normal => &[0; 12],
+        }
+    }
+}
+
+/// Whether a camera sees anything.
+fn check(setup: &Setup) -> Result<()> {
+    let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+    match setup.camera {
+        Some(Camera::Gimbal(numbers)) if !finite(&numbers) || numbers[6] <= 0.0 => {
+            Err(Error::parameter("the camera's seven numbers must be finite, and the last, its distance, above 0"))
+        }
+        Some(Camera::Vector(numbers)) if !finite(&numbers) || numbers[..3] == numbers[3..] => {
+            Err(Error::parameter("the camera's six numbers must be finite, and its eye another point than the one it looks at"))
+        }
+        _ => Ok(()),
+    }
+}
