@@ -9,6 +9,7 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod explain;
 mod gather;
 mod info;
 mod pump;
@@ -18,6 +19,7 @@ mod size;
 mod stream;
 
 pub use convert::convert;
+pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
 pub use size::{Size, lines};
 pub use stream::{Checkpoint, More, Stream};
@@ -130,16 +132,12 @@ impl Job {
             let what = format!("the tolerance is {} px: give one from {} to {}", options.tolerance, TOLERANCES.start(), TOLERANCES.end());
             return Err(Error::parameter(what));
         }
-        let layers = match &options.expr {
-            Some(text) => {
-                let expression = Expression::parse(text, &options.limits)?;
-                vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
-            }
-            None => match &scene.picture {
-                scene::Picture::Region(area) => vec![Layer { area: *area, ink: BLACK }],
-                scene::Picture::Layers(layers) => layers.clone(),
-            },
-        };
+        let layers = layers(&mut scene, options, warnings)?;
+        Job::of(scene, &layers, options)
+    }
+
+    /// A picture of those layers.
+    fn of(scene: Scene, layers: &[Layer], options: &Options) -> Result<Job> {
         let page = options.size.page(scene.width, scene.height)?;
         let lines = options.lines.clone().unwrap_or(0..page.height);
         if lines.start >= lines.end || lines.end > page.height {
@@ -152,7 +150,7 @@ impl Job {
         let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         let page_alone = builder();
         let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
-        let (inks, ink_of_layer) = distinct_inks(&layers);
+        let (inks, ink_of_layer) = distinct_inks(layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
         }
@@ -195,6 +193,20 @@ impl Job {
         let (lines, band) = (line..self.header.lines.end, self.band);
         (lines.start / band..lines.end.div_ceil(band)).map(move |i| (i * band).max(lines.start)..((i + 1) * band).min(lines.end))
     }
+}
+
+/// What is to be painted: the expression that is asked for, or the document's own picture.
+fn layers(scene: &mut Scene, options: &Options, warnings: &mut Vec<Warning>) -> Result<Vec<Layer>> {
+    Ok(match &options.expr {
+        Some(text) => {
+            let expression = Expression::parse(text, &options.limits)?;
+            vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
+        }
+        None => match &scene.picture {
+            scene::Picture::Region(area) => vec![Layer { area: *area, ink: BLACK }],
+            scene::Picture::Layers(layers) => layers.clone(),
+        },
+    })
 }
 
 /// About 64 bands a page, a power of two of lines each, so that the number of bands follows the page's shape and not its resolution.
