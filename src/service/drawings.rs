@@ -16,6 +16,7 @@ use super::problem::Problem;
 use crate::error::{Error, Kind, Warning};
 use crate::input;
 use crate::job::{Job, Options};
+use crate::scene::Scene;
 
 /// What tells one prepared drawing from others: SHA-256 of the document and of all that is asked but its format.
 pub type Key = [u8; 32];
@@ -110,20 +111,30 @@ impl Drawings {
     }
 
     async fn prepare(&self, mut options: Options, source: Source) -> Result<Arc<Drawing>, Problem> {
+        if self.weight() > self.config.max_drawings {
+            return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
+        }
+        let work = self.work(move |config| {
+            options.limits = config.limits;
+            options.started = Instant::now();
+            prepare(config, &options, source)
+        });
+        work.await.map(Arc::new)
+    }
+
+    /// Has something done with a document on another thread, when there is a place among those that do.
+    ///
+    /// # Errors
+    /// Those of the work; too many wait.
+    pub async fn work<T: Send + 'static>(&self, work: impl FnOnce(&Config) -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
         let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
         let _waits = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
         let _preparing = {
             let _waits = meters::Waits::new("preparations");
             self.preparing.acquire().await.map_err(Problem::internal)?
         };
-        if self.weight() > self.config.max_drawings {
-            return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
-        }
         let config = self.config.clone();
-        options.limits = config.limits;
-        options.started = Instant::now();
-        let made = tokio::task::spawn_blocking(move || prepare(&config, &options, source)).await;
-        made.map_err(Problem::internal)?.map(Arc::new)
+        tokio::task::spawn_blocking(move || work(&config)).await.map_err(Problem::internal)?
     }
 
     /// What all drawings weigh that are there.
@@ -166,15 +177,24 @@ impl Drawings {
     }
 }
 
-fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
-    let bytes = source().map_err(|error| Problem::internal(format!("a document cannot be read: {error}")))?;
+/// Reads a document that must be whole in itself.
+///
+/// # Errors
+/// What is wrong with it, or refused.
+pub fn read(config: &Config, bytes: Vec<u8>) -> Result<(Scene, Vec<Warning>), Problem> {
     let mut warnings = Vec::new();
-    let scene = input::read_with(bytes, &options.limits, &config.fonts, &mut warnings)?;
+    let scene = input::read_with(bytes, &config.limits, &config.fonts, &mut warnings)?;
     if let Some(warning) = warnings.iter().find(|warning| warning.outside) {
         let error =
             Error { place: warning.place, ..Error::input(Kind::Refused, format!("{}: make the document whole in itself", warning.what)) };
         return Err(error.into());
     }
+    Ok((scene, warnings))
+}
+
+fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
+    let bytes = source().map_err(|error| Problem::internal(format!("a document cannot be read: {error}")))?;
+    let (scene, mut warnings) = read(config, bytes)?;
     let job = Job::prepare(scene, options, &mut warnings)?;
     let header = job.header();
     let pixels = u64::from(header.width) * u64::from(header.height());
