@@ -487,6 +487,7 @@ const askToken = () => {
 };
 access.addEventListener("wanted", askToken);
 at("token-open").addEventListener("click", askToken);
+at("token-cancel").addEventListener("click", () => dialog.close("cancel"));
 dialog.addEventListener("close", () => {
   if (dialog.returnValue !== "ok") return;
   setToken(input("token").value.trim());

@@ -93,17 +93,26 @@ export class Scanline extends EventTarget {
 
   /** @param {Line} line @param {Step} step */
   #sentence(line, step) {
-    const names = step.crossed.slice(0, 3).map(([node, by]) => `${label(line, node)} ${signed(by)}`);
-    if (step.crossed.length > 3) names.push(`${step.crossed.length - 3} more`);
+    const shapes = [...new Set(step.crossed.map(([node]) => node))];
+    const names = shapes.slice(0, 3).map((node) => {
+      const before = countBefore(line, node, step);
+      const now = step.counts.find(([changed]) => changed === node)?.[1] ?? before;
+      const [held, holds] = [truth(line.nodes[node], before), truth(line.nodes[node], now)];
+      return `${label(line, node)} ${held === holds ? "goes on" : holds ? "begins" : "ends"} (winding ${minus(before)} \u2192 ${minus(now)})`;
+    });
+    if (shapes.length > 3) names.push(`${shapes.length - 3} more`);
     const root = this.#root();
     let what = "";
     if (root !== undefined) {
       const now = step.counts.find(([node]) => node === root)?.[1];
       const before = countBefore(line, root, step);
       const [held, holds] = [truth(line.nodes[root], before), truth(line.nodes[root], now ?? before)];
-      const [says, to] = line.nodes[root].operands ? ["the count", "threshold"] : ["the winding", "rule"];
-      if (now === undefined) what = `${says} stays ${before}`;
-      else what = `${says} goes from ${before} to ${now}${held === holds ? "" : holds ? `, the ${to} is met: a run begins` : `, below the ${to}: the run ends`}`;
+      const { operands, rule, k } = line.nodes[root];
+      const met = rule === "odd" ? "odd" : rule === "nonzero" ? "not 0" : `at least ${k}`;
+      const turn = held === holds ? "" : holds ? `${met}, a run begins` : `not ${met}, the run ends`;
+      if (operands === 0) what = turn || "the run goes on";
+      else if (now === undefined) what = `the count stays ${minus(before)}`;
+      else what = `the count goes from ${minus(before)} to ${minus(now)}${turn && `: ${turn}`}`;
     } else {
       const flips = step.counts.flatMap(([node, now]) => {
         const [held, holds] = [truth(line.nodes[node], countBefore(line, node, step)), truth(line.nodes[node], now)];
@@ -204,6 +213,9 @@ export class Scanline extends EventTarget {
 
 /** @param {number} n */
 const signed = (n) => (n < 0 ? `\u2212${-n}` : `+${n}`);
+
+/** @param {number} n */
+const minus = (n) => String(n).replace("-", "\u2212");
 
 /** Whether a node holds with that count. @param {Node} node @param {number} count */
 function truth({ rule, k }, count) {

@@ -237,7 +237,7 @@ export class Stage extends EventTarget {
     const zoom = this.#fitZoom();
     const base = this.baseRendering;
     // Whole device pixels: the base is then shown as it is.
-    const scale = zoom >= 1 ? zoom : base.width / page.width;
+    const scale = zoom >= 1 ? zoom : page.width >= page.height ? base.width / page.width : base.height / page.height;
     const left = Math.floor((this.canvas.width - page.width * scale) / 2);
     const top = Math.floor((this.canvas.height - page.height * scale) / 2);
     this.view = { zoom: scale, x: -left / scale, y: -top / scale };
@@ -411,7 +411,10 @@ export class Stage extends EventTarget {
     const put = (/** @type {Pane} */ { rect, canvas: from, front, scale }) => {
       if (!front) return;
       c.imageSmoothingEnabled = scale > view.zoom * 1.01;
-      c.drawImage(from, X(rect.x0), Y(rect.y0), X(rect.x1) - X(rect.x0), Y(rect.y1) - Y(rect.y0));
+      const [w, h] = [X(rect.x1) - X(rect.x0), Y(rect.y1) - Y(rect.y0)];
+      // A pane for this very zoom is shown pixel by pixel, although both of its sides were rounded.
+      const own = Math.abs(w - from.width) <= 1 && Math.abs(h - from.height) <= 1;
+      c.drawImage(from, X(rect.x0), Y(rect.y0), own ? from.width : w, own ? from.height : h);
     };
     if (this.before) put(this.before);
     if (this.base) put(this.base);
