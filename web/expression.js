@@ -3,7 +3,7 @@
 import { at, make, problem } from "./dom.js";
 
 /** Names that are offered at once. */
-const MOST_OFFERED = 8;
+const MOST_OFFERED = 6;
 
 const BUILT_IN = ["art", "page"];
 const FUNCTIONS = ["all(", "any(", "odd(", "atleast("];

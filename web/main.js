@@ -21,7 +21,7 @@ const REST = 25;
 
 /**
  * A drawing that is there.
- * @typedef {{ name: string, file: string, sample: string, blob: Blob, media: string, info: { width: number, height: number, ids: import("./names.js").Entry[] } }} Drawing
+ * @typedef {{ name: string, file: string, sample: string, blob: Blob, media: string, warnings: string[], info: { width: number, height: number, ids: import("./names.js").Entry[] } }} Drawing
  */
 
 const stage = new Stage(/** @type {HTMLCanvasElement} */ (at("canvas")));
@@ -81,7 +81,7 @@ async function open(found, { expr = "", size }) {
   }
   if (load !== loads) return;
   job = undefined;
-  drawing = { ...found, media, info };
+  drawing = { ...found, media, info, warnings: info.warnings };
   const warnings = info.warnings.length ? ` ${info.warnings.length === 1 ? "A warning" : `${info.warnings.length} warnings`}: ${info.warnings.slice(0, 3).join("; ")}` : "";
   at("drawing-note").textContent = `${found.name}, ${bytes(found.blob.size)}, ${number(info.width)} × ${number(info.height)} user units.${warnings}`;
   select("sample").value = found.sample;
@@ -274,7 +274,9 @@ stage.addEventListener("begun", () => {
 stage.addEventListener("header", (event) => {
   const { from, to, warnings } = /** @type {CustomEvent} */ (event).detail;
   lines = to - from;
-  if (warnings.length && !job) problem("stream-problem", warnings.join("; "));
+  // What the drawing itself is warned of stands beside it already.
+  const fresh = (drawing?.warnings ?? []).reduce((text, known) => text.replace(known, ""), warnings).replace(/^[,\s]+/, "");
+  if (fresh && !job) problem("stream-problem", fresh);
 });
 stage.addEventListener("first", (event) => {
   const { ms } = /** @type {CustomEvent} */ (event).detail;
@@ -291,7 +293,7 @@ stage.addEventListener("progress", (event) => {
   at("view").classList.remove("busy");
   at("canvas").dataset.done = String(Number(at("canvas").dataset.done ?? 0) + 1);
   figure("Checksum", summed ? "right" : "not summed");
-  if (!job) void tellKinds(lines);
+  if (!job) void tellKinds();
 });
 stage.addEventListener("problem", (event) => {
   const { status, detail, line, column } = /** @type {CustomEvent<import("./worker.js").Details>} */ (event).detail;
@@ -338,31 +340,61 @@ stage.addEventListener("probe", explain);
 
 /** @type {AbortController | undefined} */
 let telling;
+/** @type {{ content: import("./stage.js").Content, kinds: import("./stage.js").Kinds, scale: number } | undefined} those of the fitted view */
+let fitted;
 
-/** Asks how the lines came about that the canvas shows. @param {number} height */
-async function tellKinds(height) {
+/**
+ * Asks how the lines of a rendering came about, all of them or some.
+ * @param {import("./size.js").Rendering} of @param {string} [lines]
+ * @returns {Promise<import("./stage.js").Kinds | undefined>} nothing if something else is shown by now
+ */
+async function kindsOf(of, lines) {
   const { content } = stage;
-  if (!content || !drawing) return;
+  if (!content || !drawing) return undefined;
   telling?.abort();
   const { signal } = (telling = new AbortController());
-  // Of a page that is too long to tell of whole, those of the fitted view.
-  const base = height > MOST_TOLD || height !== content.page.height ? stage.baseRendering : content.page;
-  if (base.height > MOST_TOLD) return;
   try {
-    const query = { ...base.query, expr: expression.text };
+    const query = { ...of.query, expr: expression.text, lines };
     const told = await (await call("v1/explain", { method: "POST", query, body: drawing.blob, headers: { "Content-Type": drawing.media }, signal })).json();
-    if (stage.content !== content) return;
-    const kinds = told.lines.map((/** @type {[number, number, string]} */ [y, n, how]) => ({ y, n, how }));
-    stage.kinds = { kinds, scale: base.height / content.page.height };
-    const sum = (/** @type {string[]} */ ...hows) => kinds.reduce((/** @type {number} */ all, /** @type {{ n: number, how: string }} */ k) => all + (hows.includes(k.how) ? k.n : 0), 0);
-    figure("Counted", number(sum("counted", "unordered")));
-    figure("Carried", number(sum("carried")));
-    figure("Repeated", number(sum("repeated")));
-    stage.redraw();
+    if (stage.content !== content) return undefined;
+    return told.lines.map((/** @type {[number, number, string]} */ [y, n, how]) => ({ y, n, how }));
   } catch {
     // Only a tint is missing.
+    return undefined;
   }
 }
+
+/** Tells of the lines of the fitted view. */
+async function tellKinds() {
+  const { content } = stage;
+  if (!content || !drawing) return;
+  const base = stage.baseRendering;
+  const kinds = base.height > MOST_TOLD ? undefined : await kindsOf(base);
+  if (!kinds) return;
+  fitted = { content, kinds, scale: base.height / content.page.height };
+  stage.kinds = fitted;
+  const sum = (/** @type {string[]} */ ...hows) => kinds.reduce((all, { n, how }) => all + (hows.includes(how) ? n : 0), 0);
+  figure("Counted", number(sum("counted", "unordered")));
+  figure("Carried", number(sum("carried")));
+  figure("Repeated", number(sum("repeated")));
+  stage.redraw();
+}
+
+let moving = 0;
+// Where single pixels are seen, the lines are those of the whole page.
+stage.addEventListener("view", () => {
+  clearTimeout(moving);
+  moving = setTimeout(async () => {
+    const { content, view } = stage;
+    if (!content || content.whole || fitted?.content !== content || fitted.scale >= 1) return;
+    const [from, to] = stage.linesSeen;
+    const close = view.zoom >= 1 && to - from <= MOST_TOLD && to > from;
+    const kinds = close ? await kindsOf(content.page, `${from}..${to}`) : undefined;
+    if (close && !kinds) return;
+    stage.kinds = kinds ? { kinds, scale: 1 } : fitted;
+    stage.redraw();
+  }, 150);
+});
 
 // --- view
 

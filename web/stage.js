@@ -193,6 +193,12 @@ export class Stage extends EventTarget {
     this.#fill(pane, content.request({ ...level.query, lines: `${y0}..${y1}` }), { x0, y0, x1, y1, width, height }, false);
   }
 
+  /** The first line in the view, and the one behind the last. */
+  get linesSeen() {
+    const { y0, y1 } = this.#seen();
+    return [Math.floor(y0), Math.ceil(y1)];
+  }
+
   /** The part of the page in the view. */
   #seen() {
     const { page } = /** @type {Content} */ (this.content);

@@ -23,7 +23,7 @@ import { Broken, Reader } from "./rls.js";
  *
  * What is answered.
  * @typedef {{ id: number } & (
- *   | { kind: "header", width: number, from: number, to: number, inks: number[][], warnings: string[] }
+ *   | { kind: "header", width: number, from: number, to: number, inks: number[][], warnings: string }
  *   | { kind: "strip", y: number, rows: number, pixels: Uint8ClampedArray<ArrayBuffer> }
  *   | { kind: "progress", progress: Progress }
  *   | { kind: "done", progress: Progress, summed: boolean }
@@ -52,13 +52,15 @@ async function draw({ id, request, target, tint }) {
   const control = new AbortController();
   underWay.set(id, control);
   const began = performance.now();
+  let answered = false;
   try {
     const response = await fetch(request.url, { ...request, signal: control.signal });
+    answered = true;
     if (!response.ok || !response.body) {
       say({ id, kind: "problem", problem: await problem(response) });
       return;
     }
-    const warnings = response.headers.get("runset-warning")?.split(", ") ?? [];
+    const warnings = response.headers.get("runset-warning") ?? "";
     /** @type {Painter | undefined} */
     let painter;
     let firstMs = 0;
@@ -99,8 +101,8 @@ async function draw({ id, request, target, tint }) {
     say({ id, kind: "done", progress: progress(), summed: reader.summed });
   } catch (error) {
     if (control.signal.aborted) return;
-    const what = error instanceof Broken ? error.message : "the connection broke off before the stream's end";
-    say({ id, kind: "broken", what });
+    if (answered) say({ id, kind: "broken", what: error instanceof Broken ? error.message : "the connection broke off before the stream's end" });
+    else say({ id, kind: "problem", problem: { status: 0, detail: "the service does not answer: is it running?" } });
     control.abort();
   } finally {
     underWay.delete(id);

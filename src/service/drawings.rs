@@ -46,7 +46,7 @@ pub type Source = Box<dyn FnOnce() -> io::Result<Vec<u8>> + Send>;
 pub struct Drawings {
     config: Arc<Config>,
     known: Mutex<Known>,
-    preparing: Semaphore,
+    preparing: Arc<Semaphore>,
     waiting: Arc<Semaphore>,
 }
 
@@ -78,7 +78,7 @@ impl Drawings {
     pub fn new(config: Arc<Config>) -> Drawings {
         Drawings {
             known: Mutex::default(),
-            preparing: Semaphore::new(config.max_preparing),
+            preparing: Arc::new(Semaphore::new(config.max_preparing)),
             waiting: Arc::new(Semaphore::new(config.max_waiting + config.max_preparing)),
             config,
         }
@@ -128,13 +128,18 @@ impl Drawings {
     /// Those of the work; too many wait.
     pub async fn work<T: Send + 'static>(&self, work: impl FnOnce(&Config) -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
         let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
-        let _waits = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
-        let _preparing = {
+        let place = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
+        let preparing = {
             let _waits = meters::Waits::new("preparations");
-            self.preparing.acquire().await.map_err(Problem::internal)?
+            self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?
         };
         let config = self.config.clone();
-        tokio::task::spawn_blocking(move || work(&config)).await.map_err(Problem::internal)?
+        let done = tokio::task::spawn_blocking(move || {
+            // It goes on when the client has gone, and counts until it ends.
+            let _places = (place, preparing);
+            work(&config)
+        });
+        done.await.map_err(Problem::internal)?
     }
 
     /// What all drawings weigh that are there.

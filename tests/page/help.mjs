@@ -27,7 +27,16 @@ export async function serve(env = {}) {
     });
     child.on("exit", () => failed(new Error(`the service ended: ${said}`)));
   });
-  return { address, end: () => new Promise((ended) => child.on("exit", ended) && child.kill("SIGTERM")) };
+  const end = async (signal = "SIGTERM") => {
+    if (child.exitCode !== null || child.signalCode !== null) return;
+    const ended = new Promise((ended) => child.on("exit", ended));
+    child.kill(signal);
+    // Streams that are under way are given time; the tests have none.
+    const impatient = setTimeout(() => child.kill("SIGKILL"), 3000);
+    await ended;
+    clearTimeout(impatient);
+  };
+  return { address, end };
 }
 
 export const browser = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
