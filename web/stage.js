@@ -9,6 +9,8 @@
 import { reduced } from "./size.js";
 import { MOST_PIXELS, Pane } from "./pane.js";
 import { drawRaster } from "./drawing.js";
+import { listen } from "./hands.js";
+import { paint } from "./paint.js";
 
 /**
  * What is drawn: a page, and how a part of it is asked for.
@@ -62,7 +64,7 @@ export class Stage extends EventTarget {
     this.rest = 0;
     this.ratio = devicePixelRatio;
     new ResizeObserver(() => this.#resize()).observe(canvas);
-    this.#pointers();
+    listen(this);
   }
 
   /**
@@ -165,7 +167,7 @@ export class Stage extends EventTarget {
     const { page, drawing } = content;
     if (this.view.zoom <= base.scale * 1.02 || base.scale >= 1) return;
     let level = this.view.zoom >= 1 ? page : reduced(drawing, page, 2 ** -Math.floor(Math.log2(1 / this.view.zoom)));
-    const seen = this.#seen();
+    const seen = this.seen();
     const area = (/** @type {number} */ scale) => (seen.x1 - seen.x0) * (seen.y1 - seen.y0) * scale * scale;
     if (area(level.width / page.width) > MOST_PIXELS) level = reduced(drawing, page, Math.sqrt(MOST_PIXELS / area(1)));
     const across = level.width / page.width;
@@ -195,12 +197,12 @@ export class Stage extends EventTarget {
 
   /** The first line in the view, and the one behind the last. */
   get linesSeen() {
-    const { y0, y1 } = this.#seen();
+    const { y0, y1 } = this.seen();
     return [Math.floor(y0), Math.ceil(y1)];
   }
 
   /** The part of the page in the view. */
-  #seen() {
+  seen() {
     const { page } = /** @type {Content} */ (this.content);
     const { zoom, x, y } = this.view;
     const [x0, y0] = [Math.max(0, x), Math.max(0, y)];
@@ -334,167 +336,12 @@ export class Stage extends EventTarget {
     return ((column - this.view.x) * this.view.zoom) / this.ratio;
   }
 
-  #pointers() {
-    const { canvas } = this;
-    /** @type {Map<number, { x: number, y: number }>} */
-    const down = new Map();
-    const at = (/** @type {MouseEvent} */ event) => ({ x: event.offsetX * this.ratio, y: event.offsetY * this.ratio });
-    const look = (/** @type {MouseEvent} */ event) => {
-      const { x, y } = at(event);
-      this.look(this.view.x + x / this.view.zoom, this.view.y + y / this.view.zoom);
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      down.set(event.pointerId, at(event));
-      canvas.setPointerCapture(event.pointerId);
-      look(event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const from = down.get(event.pointerId);
-      const to = at(event);
-      if (!from) return look(event);
-      if (down.size === 2) {
-        const other = [...down].find(([id]) => id !== event.pointerId)?.[1] ?? to;
-        const apart = (/** @type {{ x: number, y: number }} */ p) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
-        this.zoomBy(apart(to) / apart(from), (to.x + other.x) / 2, (to.y + other.y) / 2);
-      } else if (event.pointerType !== "touch" || !this.fits) {
-        this.pan(to.x - from.x, to.y - from.y);
-      } else {
-        look(event);
-      }
-      down.set(event.pointerId, to);
-    });
-    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => down.delete(/** @type {PointerEvent} */ (event).pointerId));
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        event.preventDefault();
-        const { x, y } = at(event);
-        if (event.shiftKey) this.pan(-event.deltaY * this.ratio, 0);
-        else this.zoomBy(Math.exp(-event.deltaY / (event.deltaMode ? 20 : 400)), x, y);
-      },
-      { passive: false },
-    );
-    canvas.addEventListener("keydown", (event) => {
-      const step = event.shiftKey ? 10 : 1;
-      const { x, y } = this.probe;
-      const keys = {
-        ArrowUp: () => this.look(x, y - step, true),
-        ArrowDown: () => this.look(x, y + step, true),
-        ArrowLeft: () => this.look(x - step, y, true),
-        ArrowRight: () => this.look(x + step, y, true),
-        "+": () => this.zoomBy(1.5),
-        "=": () => this.zoomBy(1.5),
-        "-": () => this.zoomBy(1 / 1.5),
-        0: () => this.fit(),
-        1: () => this.pixels(),
-      };
-      if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in keys)) return;
-      event.preventDefault();
-      keys[/** @type {keyof typeof keys} */ (event.key)]();
-    });
-  }
-
   redraw() {
     if (this.dirty) return;
     this.dirty = true;
     requestAnimationFrame(() => {
       this.dirty = false;
-      this.#paint();
+      paint(this);
     });
-  }
-
-  #paint() {
-    const { context: c, canvas, content, view } = this;
-    c.setTransform(1, 0, 0, 1, 0, 0);
-    c.clearRect(0, 0, canvas.width, canvas.height);
-    if (!content) return;
-    const { page } = content;
-    const X = (/** @type {number} */ x) => Math.round((x - view.x) * view.zoom);
-    const Y = (/** @type {number} */ y) => Math.round((y - view.y) * view.zoom);
-    const [left, top, width, height] = [X(0), Y(0), X(page.width) - X(0), Y(page.height) - Y(0)];
-    c.fillStyle = "#fff";
-    c.fillRect(left, top, width, height);
-    const put = (/** @type {Pane} */ { rect, canvas: from, front, scale }) => {
-      if (!front) return;
-      c.imageSmoothingEnabled = scale > view.zoom * 1.01;
-      const [w, h] = [X(rect.x1) - X(rect.x0), Y(rect.y1) - Y(rect.y0)];
-      // A pane for this very zoom is shown pixel by pixel, although both of its sides were rounded.
-      const own = Math.abs(w - from.width) <= 1 && Math.abs(h - from.height) <= 1;
-      c.drawImage(from, X(rect.x0), Y(rect.y0), own ? from.width : w, own ? from.height : h);
-    };
-    if (this.before) put(this.before);
-    if (this.base) put(this.base);
-    for (const pane of [...this.details].sort((a, b) => a.scale - b.scale)) if (pane.scale <= view.zoom * 4.1) put(pane);
-    this.#paintKinds(left, width, Y);
-    if (this.lit) put(this.lit);
-    if (this.box) {
-      const [x0, y0, x1, y1] = this.box;
-      c.lineWidth = this.ratio;
-      c.strokeStyle = "#e4472f";
-      c.setLineDash([4 * this.ratio, 3 * this.ratio]);
-      c.strokeRect(X(x0) - 0.5, Y(y0) - 0.5, X(x1) - X(x0) + 1, Y(y1) - Y(y0) + 1);
-      c.setLineDash([]);
-    }
-    if (view.zoom >= 10 * this.ratio) this.#paintGrid(X, Y);
-    if (this.base && !this.base.done && this.base.front) {
-      const y = Y((this.base.front / this.base.canvas.height) * page.height);
-      c.fillStyle = "#e4472f";
-      c.fillRect(left, y, width, Math.max(1, Math.round(this.ratio)));
-    }
-    this.#paintProbe(left, width, X, Y);
-  }
-
-  /**
-   * How the lines came about: beside the page, and over it if that is wanted.
-   * @param {number} left @param {number} width @param {(y: number) => number} Y
-   */
-  #paintKinds(left, width, Y) {
-    if (!this.kinds) return;
-    const { context: c } = this;
-    const { kinds, scale } = this.kinds;
-    const colours = { counted: "228 71 47", unordered: "150 60 160", carried: "31 128 136", repeated: "232 170 60" };
-    const bar = Math.round(5 * this.ratio);
-    for (const { y, n, how } of kinds) {
-      const [y0, y1] = [Y(y / scale), Y((y + n) / scale)];
-      if (y1 < 0 || y0 > this.canvas.height) continue;
-      const colour = colours[/** @type {keyof typeof colours} */ (how)];
-      c.fillStyle = `rgb(${colour})`;
-      c.fillRect(left - 2 * bar, y0, bar, Math.max(y1 - y0, 1));
-      if (this.tint) {
-        c.fillStyle = `rgb(${colour} / 0.32)`;
-        c.fillRect(left, y0, width, Math.max(y1 - y0, 1));
-      }
-    }
-  }
-
-  /** @param {(x: number) => number} X @param {(y: number) => number} Y */
-  #paintGrid(X, Y) {
-    const { context: c } = this;
-    const { x0, y0, x1, y1 } = this.#seen();
-    c.fillStyle = "rgb(20 33 61 / 0.14)";
-    for (let x = Math.ceil(x0); x <= x1; x++) c.fillRect(X(x), Y(y0), 1, Y(y1) - Y(y0));
-    for (let y = Math.ceil(y0); y <= y1; y++) c.fillRect(X(x0), Y(y), X(x1) - X(x0), 1);
-  }
-
-  /**
-   * The scanline that is looked at, through the centres of its pixels.
-   * @param {number} left @param {number} width @param {(x: number) => number} X @param {(y: number) => number} Y
-   */
-  #paintProbe(left, width, X, Y) {
-    const { context: c, probe, ratio } = this;
-    const thin = Math.max(1, Math.round(ratio));
-    const y = Y(probe.y + 0.5);
-    c.fillStyle = "rgb(255 255 255 / 0.6)";
-    c.fillRect(left - 12 * ratio, y - thin, width + 24 * ratio, 3 * thin);
-    c.fillStyle = "#c23a22";
-    c.fillRect(left - 12 * ratio, y, width + 24 * ratio, thin);
-    const x = X(probe.x + 0.5);
-    c.beginPath();
-    c.arc(x, y + thin / 2, 4 * ratio, 0, 7);
-    c.fillStyle = "#c23a22";
-    c.fill();
-    c.lineWidth = 1.5 * ratio;
-    c.strokeStyle = "#fff";
-    c.stroke();
   }
 }
