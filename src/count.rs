@@ -263,6 +263,11 @@ impl Counters {
         }
     }
 
+    /// Which nodes hold, as settled.
+    pub fn truths(&self) -> &[bool] {
+        &self.holds
+    }
+
     /// Carries all that was added up to the outputs; `flip(output, holds)` is called for every output whose truth changed.
     #[inline]
     pub fn settle(&mut self, program: &Program, mut flip: impl FnMut(u32, bool)) {

@@ -33,21 +33,20 @@ pub fn steps(x: f64) -> i64 {
     (x + HALF.copysign(x)) as i64
 }
 
-/// The first scanline whose centre is not above `y`, in pixels, once that is rounded to 1/256; within `0..=height`. `y` is at most 2^22 in size.
+/// [`first_centre`] of a coordinate in pixels of any size, once that is rounded to 1/256; within `0..=end`, at most a page's scanlines.
 ///
-/// Rounded, `y` is above the centre of scanline r, `r + 1/2`, from `r + 1/2 + 1/512` on, so the scanline is `floor(y - 257/512) + 1`; of numbers of that size
-/// the difference is exact where it is not negative. It is done in doubles throughout, so that many are worked out at once.
+/// Rounded, `x` is behind the centre of pixel i, `i + 1/2`, from `i + 1/2 + 1/512` on, so the pixel is `floor(x - 257/512) + 1`. The difference is exact
+/// where it is not negative and could matter: with doubles past 2^44 the page has ended. Without a branch, so that many are worked out at once.
 #[inline]
-pub fn first_row(y: f64, height: f64) -> u32 {
+pub fn first_within(x: f64, end: f64) -> u32 {
     const PAST: f64 = 0.5 + 1.0 / 512.0;
-    // Pushes the fraction out of a double.
+    // Pushes the fraction out of a double, and the integer into the lowest bits.
     const PUSH: f64 = (3_u64 << 51) as f64;
-    let y = y - PAST;
-    let near = (y + PUSH) - PUSH;
-    let row = if near > y { near } else { near + 1.0 };
-    let row = if row > 0.0 { row } else { 0.0 };
-    let row = if row < height { row } else { height };
-    (row + PUSH).to_bits() as u32
+    let x = x - PAST;
+    let x = if x > -1.0 { x } else { -1.0 };
+    let x = if x < end - 1.0 { x } else { end - 1.0 };
+    let pushed = x + PUSH;
+    (pushed.to_bits() as u32).wrapping_add(1).wrapping_sub(u32::from(pushed - PUSH > x))
 }
 
 /// Rounds a finite coordinate in pixels to the nearest 1/256, ties away from zero. The result is a multiple of 1/256, exactly
@@ -87,15 +86,13 @@ mod tests {
         let mut seed = 1u64;
         for _ in 0..100_000 {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            // Whole and half steps, and the doubles next to them, of all sizes.
+            // Whole and half steps, and the doubles next to them, of all sizes that are rounded.
             let half = ((seed >> 40) as f64 - 8_000_000.0) / 512.0 * 2f64.powi((seed >> 33 & 15) as i32 - 8);
             for x in [half, half.next_up(), half.next_down()] {
                 assert_eq!(steps(x), (x * 256.0).round() as i64, "{x}");
-                if x.abs() <= f64::from(1 << 22) {
-                    for height in [1, 1000, 1 << 23] {
-                        let row = first_centre(steps(x)).clamp(0, height);
-                        assert_eq!(i64::from(first_row(x, height as f64)), row, "{x}");
-                    }
+                for end in [1, 1000, 1 << 23] {
+                    let centre = first_centre(steps(x)).clamp(0, end);
+                    assert_eq!(i64::from(first_within(x, end as f64)), centre, "{x}");
                 }
             }
         }

@@ -26,12 +26,14 @@ pub mod grid;
 pub mod input;
 pub mod job;
 pub mod line;
+pub mod mesh;
 pub mod region;
 pub mod run;
 pub mod scene;
 #[cfg(feature = "serve")]
 pub mod service;
 pub mod shape;
+pub mod solid;
 mod spread;
 pub mod sweep;
 

@@ -9,8 +9,9 @@ const FLOORS: &[&[&str]] = &[
     &["main", "cli"],
     &["service"],
     &["job"],
-    &["region", "input", "encode"],
-    &["edge", "scene"],
+    &["region", "solid", "input", "encode"],
+    &["edge", "mesh"],
+    &["scene"],
     &["sweep", "shape"],
     &["grid", "line", "count", "bits", "run", "checksum", "error", "spread"],
 ];

@@ -2,26 +2,31 @@
 
 use std::path::PathBuf;
 
-use runset::job::{Entry, Info, info};
+use runset::input::{ModelOptions, is_model, read_tree};
+use runset::job::{Entry, Info, info, model_info};
 use runset::scene::{BUILT_IN, Limits};
 
 use super::input::{FontOptions, Limit, Source};
 use super::messages::{Ends, Failure, print};
+use super::scad;
 use super::table::table;
+use super::tree;
 
 const EXAMPLES: &str = "\
 Examples:
   runset info poster.svg
-  runset info poster.svg --json | jq -r '.ids[] | select(.kind == \"group\") | .id'";
+  runset info poster.svg --json | jq -r '.ids[] | select(.kind == \"group\") | .id'
+  runset info bracket.csg";
 
-/// Show the size of a drawing or a scene, and its ids with kind, bounds and edge count
+/// Show what a document holds: the ids of a drawing or a scene, the tree of a model
 ///
-/// Ids are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units (px), sizes
-/// in mm too; edges are counted at scale 1. The ink is that of ids that are painted with a single one.
+/// Ids have their kind, bounds and edge count. They are shown as an expression takes them: in double quotes where they are not plain words. Bounds are in user units (px), sizes
+/// in mm too; edges are counted at scale 1. The ink is that of ids that are painted with a single one. A model
+/// (OpenSCAD .csg or .scad, STL) is shown as its operators and primitives with their lines, faces and colours.
 #[derive(clap::Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Inspect {
-    /// Drawing or scene to read; - is standard input
+    /// Drawing, scene or model to read; - is standard input
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
     input: PathBuf,
 
@@ -45,7 +50,13 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     let name = source.name();
     let ends = Ends { input: &name, output: "<stdout>" };
     let limits = Limits { input: args.limit.max_input, ..Limits::default() };
-    let bytes = source.read(limits.input)?;
+    let bytes = match scad::is_program(&args.input) {
+        true => scad::tree(&args.input, limits.input)?,
+        false => source.read(limits.input)?,
+    };
+    if is_model(&bytes) {
+        return model(args, &bytes, limits, ends);
+    }
     let fonts = args.fonts.load(&args.limit)?;
     let mut warnings = Vec::new();
     let scene = runset::input::read_with(bytes, &limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
@@ -53,6 +64,21 @@ pub fn run(args: &Inspect) -> Result<(), Failure> {
     drop(scene);
     ends.warn(&warnings, false)?;
     if args.json { print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n")) } else { print(&describe(&info)) }
+}
+
+/// The same for a model.
+fn model(args: &Inspect, bytes: &[u8], limits: Limits, ends: Ends<'_>) -> Result<(), Failure> {
+    let folder = (args.input.as_os_str() != "-").then(|| args.input.parent().unwrap_or(&args.input).to_owned());
+    let mut warnings = Vec::new();
+    let reading = read_tree(bytes, &ModelOptions { limits, folder }, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let info = model_info(&reading, &mut warnings);
+    drop(reading);
+    ends.warn(&warnings, false)?;
+    if args.json {
+        print(&(serde_json::to_string(&info).expect("text and numbers are JSON") + "\n"))
+    } else {
+        print(&tree::describe(&info))
+    }
 }
 
 fn describe(info: &Info) -> String {
@@ -112,7 +138,7 @@ fn quoted(id: &str) -> String {
 }
 
 /// Writes a number with two decimals, or in powers of ten where that would be long.
-fn number(x: f64, text: &mut String) {
+pub fn number(x: f64, text: &mut String) {
     if x.abs() >= 1e9 {
         text.push_str(&format!("{x:.6e}"));
         return;

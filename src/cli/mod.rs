@@ -12,10 +12,12 @@ mod messages;
 mod output;
 mod progress;
 mod reference;
+mod scad;
 #[cfg(feature = "serve")]
 mod serve;
 mod signals;
 mod table;
+mod tree;
 mod values;
 
 use std::process::ExitCode;

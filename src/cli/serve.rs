@@ -217,7 +217,7 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
     let blocking = config.max_bands + config.max_preparing + 32;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().max_blocking_threads(blocking).build();
     let runtime = runtime.map_err(|error| Failure::at("runset", reason(&error)))?;
-    runtime.block_on(async {
+    let ended = runtime.block_on(async {
         let listener = TcpListener::bind(args.addr)
             .await
             .map_err(|error| Failure::at(args.addr, format_args!("cannot listen: {}", reason(&error))))?;
@@ -230,7 +230,10 @@ pub fn run(args: &Serve) -> Result<(), Failure> {
         runset::service::run(listener, service, shutdown).await.map_err(|error| Failure::at(addr, reason(&error)))?;
         tracing::info!("end");
         Ok(())
-    })
+    });
+    // A drawing that is still being prepared is of no use any more.
+    runtime.shutdown_background();
+    ended
 }
 
 /// Asks the service to end at the first signal; the second ends the process at once.

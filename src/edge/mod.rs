@@ -138,12 +138,11 @@ impl Builder {
         let edges = &mut self.edges;
         let mut add =
             |chain: &[Stretch], winding| edges.add(chain[0].first, chain.iter().map(|stretch| stretch.edge), Side { leaf, winding });
-        let close = outline::are_close(part.points);
-        if !close && !part.points.as_flattened().iter().all(|v| v.is_finite()) {
+        if !outline::are_finite(part.xs) || !outline::are_finite(part.ys) {
             let what = format!("\"{name}\" reaches beyond 1.8e308 pixels: use smaller coordinates or transforms");
             return Err(Error::input(Kind::Refused, what));
         }
-        self.seen += self.outline.points(part.points, close, &mut add);
+        self.seen += self.outline.points(part.xs, part.ys, &mut add);
         if self.seen > self.limit {
             let what = format!("\"{name}\": more than {} edges: raise --tolerance or draw less", self.limit);
             return Err(Error::input(Kind::Limit, what));

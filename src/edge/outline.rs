@@ -1,7 +1,8 @@
 //! A ring of points becomes chains of edges that run in one vertical direction.
 //!
 //! Points come in parts, so that a ring of any length passes through a small buffer. Edges that meet no scanline of the page are dropped (they
-//! cannot change a pixel), edges left of the page become vertical at column 0 (they still count), edges right of it are dropped.
+//! cannot change a pixel), edges between two pixels' centres become vertical, those left of the page too, at column 0 (they still count), edges right of it are
+//! dropped.
 //! What remains of one direction stays one chain, whatever was dropped between, so the next edge of an outline takes the place of the one before
 //! without an event.
 //!
@@ -13,18 +14,29 @@
 //!      4\_  | 3
 //! ```
 
-use crate::grid::{self, Point, SUB};
+use std::ops::Range;
+
+use crate::grid::{self, Point};
 use crate::line::Line;
 use crate::line::exact::{self, Piece};
 use crate::shape::flatten::PART;
 use crate::sweep::Edge;
 
-/// Points no further from the origin, in pixels, find their scanlines many at once.
-const CLOSE: f64 = (1 << 22) as f64;
+/// Whether all of them are finite.
+pub(super) fn are_finite(values: &[f64]) -> bool {
+    // A sum is not finite if one of them is not; only seldom otherwise.
+    let (blocks, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    blocks.iter().for_each(|block| sums.iter_mut().zip(block).for_each(|(sum, v)| *sum += v));
+    sums.iter().chain(rest).sum::<f64>().is_finite() || values.iter().all(|v| v.is_finite())
+}
 
-/// Whether points are so close to the origin; they are finite then.
-pub(super) fn are_close(points: &[Point]) -> bool {
-    points.as_flattened().iter().fold(true, |close, v| close & (v.abs() <= CLOSE))
+/// Points whose scanlines are compared at once.
+const BLOCK: usize = 16;
+
+/// Which of them differ from the next: a bit for each.
+fn differing(rows: &[u32; BLOCK + 1]) -> u32 {
+    (0..BLOCK).fold(0, |bits, i| bits | u32::from(rows[i] != rows[i + 1]) << i)
 }
 
 /// A point of a ring, and the first scanline that is not above it, on the page or behind its end.
@@ -54,6 +66,18 @@ impl Chain {
         let ends = |end: &Stretch| if downwards { end.edge.last == first } else { end.first == last };
         self.downwards == downwards && self.stretches.last().is_some_and(ends)
     }
+
+    /// Goes on with an edge. Vertical edges that follow each other in one column are one.
+    #[inline]
+    fn push(&mut self, stretch: Stretch) {
+        match self.stretches.last_mut() {
+            Some(end) if end.edge.line == stretch.edge.line && end.edge.line.is_vertical() => {
+                end.first = end.first.min(stretch.first);
+                end.edge.last = end.edge.last.max(stretch.edge.last);
+            }
+            _ => self.stretches.push(stretch),
+        }
+    }
 }
 
 /// The ring at hand, and what is known of its chains.
@@ -67,9 +91,8 @@ pub(super) struct Outline {
     /// The chain that the ring began in the middle of, kept until the ring is closed once it `has_opened`.
     opening: Chain,
     has_opened: bool,
-    pieces: Vec<Piece>,
     /// Of the points at hand: the first scanlines that are not above them.
-    rows: Box<[u32; PART]>,
+    rows: Box<[u32; PART + BLOCK]>,
     /// Whether edges right of the page were dropped.
     pub(super) open: bool,
 }
@@ -83,54 +106,51 @@ impl Outline {
             chain: Chain::default(),
             opening: Chain::default(),
             has_opened: false,
-            pieces: Vec::new(),
-            rows: Box::new([0; PART]),
+            rows: Box::new([0; PART + BLOCK]),
             open: false,
         }
     }
 
-    /// Goes on with the ring, by at most [`PART`] points, all of them finite, and if it is said [`are_close`]. Hands the chains that end to `add`: edges from the top
+    /// Goes on with the ring, by at most [`PART`] points, all of them finite. Hands the chains that end to `add`: edges from the top
     /// down, and what they add to the winding. Gives the number of edges.
-    pub(super) fn points(&mut self, points: &[Point], close: bool, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
-        let Some(&first) = points.first() else { return 0 };
-        if close {
-            let height = f64::from(self.height);
-            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = grid::first_row(p[1], height));
-        } else {
-            let height = f64::from(self.height);
-            self.rows.iter_mut().zip(points).for_each(|(to, p)| *to = exact::row(grid::snap(p[1])).clamp(0.0, height) as u32);
-        }
-        let first = Vertex { point: first, row: self.rows[0] };
+    pub(super) fn points(&mut self, xs: &[f64], ys: &[f64], add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
+        let (&[x, ..], &[y, ..]) = (xs, ys) else { return 0 };
+        let height = f64::from(self.height);
+        self.rows.iter_mut().zip(ys).for_each(|(row, &y)| *row = grid::first_within(y, height));
+        let last = xs.len() - 1;
+        // Behind the last nothing differs.
+        let end = self.rows[last];
+        self.rows[last + 1..][..BLOCK].fill(end);
+        let first = Vertex { point: [x, y], row: self.rows[0] };
         let [start, before] = self.ring.unwrap_or([first; 2]);
         if before.row != first.row {
-            self.edge(before, first, add);
+            self.between(before, first, add);
         }
         // Most edges of fine outlines meet no scanline.
-        let mut i = 1;
-        while i < points.len() {
-            let row = self.rows[i - 1];
-            if let Some(block) = self.rows[i..points.len()].first_chunk::<16>()
-                && block.iter().fold(true, |same, &other| same & (other == row))
-            {
-                i += 16;
-                continue;
+        for start in (0..last).step_by(BLOCK) {
+            let mut meet = differing(self.rows[start..].first_chunk().expect("there is room for one more block"));
+            while meet != 0 {
+                let from = start + meet.trailing_zeros() as usize;
+                meet &= meet - 1;
+                // Which end is the upper one is as good as random: it is looked up, not asked.
+                let [before, behind] = [self.rows[from], self.rows[from + 1]];
+                let downwards = before < behind;
+                let (top, bottom) = (from + usize::from(!downwards), from + usize::from(downwards));
+                let rows = before.min(behind)..before.max(behind);
+                self.edge((xs[top], ys[top]), (xs[bottom], ys[bottom]), rows, downwards, add);
             }
-            if self.rows[i] != row {
-                self.edge(Vertex { point: points[i - 1], row }, Vertex { point: points[i], row: self.rows[i] }, add);
-            }
-            i += 1;
         }
-        let last = Vertex { point: points[points.len() - 1], row: self.rows[points.len() - 1] };
-        self.ring = Some([start, last]);
-        let differ = |a: &Point, b: &Point| u64::from((a[0] != b[0]) | (a[1] != b[1]));
-        differ(&before.point, &first.point) + points.iter().zip(&points[1..]).fold(0, |seen, (a, b)| seen + differ(a, b))
+        self.ring = Some([start, Vertex { point: [xs[last], ys[last]], row: end }]);
+        let differ = |[a, b]: [f64; 2], [c, d]: [f64; 2]| u64::from((a != c) | (b != d));
+        let pairs = xs.iter().zip(&xs[1..]).zip(ys.iter().zip(&ys[1..]));
+        differ(before.point, first.point) + pairs.fold(0, |seen, ((&a, &c), (&b, &d))| seen + differ([a, b], [c, d]))
     }
 
     /// Closes the ring. Where it began no chain is cut: the last goes on with the first. Gives the number of edges that this adds.
     pub(super) fn end(&mut self, add: &mut impl FnMut(&[Stretch], i32)) -> u64 {
         let Some([start, at]) = self.ring.take() else { return 0 };
         if start.row != at.row {
-            self.edge(at, start, add);
+            self.between(at, start, add);
         }
         if std::mem::take(&mut self.has_opened) {
             let Chain { stretches, downwards } = &mut self.opening;
@@ -138,55 +158,72 @@ impl Outline {
                 hand_on(&mut self.chain, add);
             }
             self.chain.downwards = *downwards;
-            self.chain.stretches.append(stretches);
+            self.chain.push(stretches[0]);
+            self.chain.stretches.extend_from_slice(&stretches[1..]);
+            stretches.clear();
         }
         hand_on(&mut self.chain, add);
         u64::from(start.point != at.point)
     }
 
-    /// Adds an edge that meets scanlines.
-    fn edge(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(&[Stretch], i32)) {
+    /// Adds the edge between two points on different scanlines.
+    fn between(&mut self, from: Vertex, to: Vertex, add: &mut impl FnMut(&[Stretch], i32)) {
         let downwards = from.row < to.row;
         let (top, bottom) = if downwards { (from, to) } else { (to, from) };
-        // Left of all pixel centres, right of all, or perhaps one straight line.
-        let (left, right, line) = if grid::is_near(top.point) && grid::is_near(bottom.point) {
-            let [p, q] = [top, bottom].map(|vertex| vertex.point.map(grid::steps));
-            let (least, most) = (p[0].min(q[0]), p[0].max(q[0]));
-            let line = Line::through(p, q, top.row, bottom.row - top.row, self.width);
-            (most <= SUB / 2, least > i64::from(self.width) * SUB - SUB / 2, line)
-        } else {
-            let [x, y] = [top, bottom].map(|vertex| grid::snap(vertex.point[0]));
-            (x.max(y) <= 0.5, x.min(y) > f64::from(self.width) - 0.5, None)
-        };
-        if right {
-            self.open = true;
-            return;
-        }
-        let line = if left { Some(Line::vertical(0)) } else { line };
-        if !self.chain.goes_on(downwards, top.row, bottom.row) {
-            // The first that ends is where the ring began.
-            if !self.has_opened && !self.chain.stretches.is_empty() {
-                std::mem::swap(&mut self.opening, &mut self.chain);
-                self.has_opened = true;
-            } else {
-                hand_on(&mut self.chain, add);
+        self.edge(top.point.into(), bottom.point.into(), top.row..bottom.row, downwards, add);
+    }
+
+    /// Adds an edge, given by its upper and its lower end, that meets the scanlines `rows`.
+    #[inline]
+    fn edge(&mut self, top: (f64, f64), bottom: (f64, f64), rows: Range<u32>, downwards: bool, add: &mut impl FnMut(&[Stretch], i32)) {
+        let [top, bottom] = [top, bottom].map(Point::from);
+        // Between the ends' columns, on the page, lie all others.
+        let width = f64::from(self.width);
+        let (from, to) = (grid::first_within(top[0], width), grid::first_within(bottom[0], width));
+        let line = if from == to {
+            if from == self.width {
+                self.open = true;
+                return;
             }
-            self.chain.downwards = downwards;
+            Some(Line::vertical(from))
+        } else if grid::is_near(top) && grid::is_near(bottom) {
+            let [top, bottom] = [top, bottom].map(|point| point.map(grid::steps));
+            Line::through(top, bottom, rows.start, rows.end - rows.start, self.width)
+        } else {
+            None
+        };
+        if !self.chain.goes_on(downwards, rows.start, rows.end) {
+            self.begin(downwards, add);
         }
-        let stretches = &mut self.chain.stretches;
-        if let Some(line) = line {
-            return stretches.push(Stretch { first: top.row, edge: Edge { last: bottom.row, line } });
+        match line {
+            Some(line) => self.chain.push(Stretch { first: rows.start, edge: Edge { last: rows.end, line } }),
+            None => self.pieces(top, bottom, rows),
         }
-        self.pieces.clear();
-        exact::pieces(grid::snap_point(top.point), grid::snap_point(bottom.point), top.row..bottom.row, self.width, &mut self.pieces);
-        let (mut first, behind) = (top.row, stretches.len());
-        for &Piece { last, line } in &self.pieces {
-            stretches.push(Stretch { first, edge: Edge { last, line } });
-            first = last;
+    }
+
+    /// Begins a chain. The first that ends is where the ring began.
+    fn begin(&mut self, downwards: bool, add: &mut impl FnMut(&[Stretch], i32)) {
+        if !self.has_opened && !self.chain.stretches.is_empty() {
+            std::mem::swap(&mut self.opening, &mut self.chain);
+            self.has_opened = true;
+        } else {
+            hand_on(&mut self.chain, add);
         }
-        if !downwards {
-            stretches[behind..].reverse();
+        self.chain.downwards = downwards;
+    }
+
+    /// Goes on with an edge that no single line stands for.
+    #[cold]
+    fn pieces(&mut self, top: Point, bottom: Point, rows: Range<u32>) {
+        let mut pieces = Vec::new();
+        exact::pieces(grid::snap_point(top), grid::snap_point(bottom), rows.clone(), self.width, &mut pieces);
+        let firsts = [rows.start].into_iter().chain(pieces.iter().map(|piece| piece.last));
+        let stretches = firsts.zip(&pieces).map(|(first, &Piece { last, line })| Stretch { first, edge: Edge { last, line } });
+        let mut stretches: Vec<Stretch> = stretches.collect();
+        if !self.chain.downwards {
+            stretches.reverse();
         }
+        stretches.into_iter().for_each(|stretch| self.chain.push(stretch));
     }
 }
 
@@ -196,14 +233,6 @@ fn hand_on(chain: &mut Chain, add: &mut impl FnMut(&[Stretch], i32)) {
     if !*downwards {
         stretches.reverse();
     }
-    // Vertical edges that follow each other in one column are one.
-    stretches.dedup_by(|below, above| {
-        let same = above.edge.line == below.edge.line && above.edge.line.is_vertical();
-        if same {
-            above.edge.last = below.edge.last;
-        }
-        same
-    });
     if !stretches.is_empty() {
         add(stretches, if *downwards { 1 } else { -1 });
         stretches.clear();

@@ -1,14 +1,18 @@
 //! Readers of documents and of line streams. One file or folder a format; only the job calls them.
 
 mod arc;
+mod csg;
 mod fonts;
 pub mod lines;
+mod model;
 mod path_data;
 mod scan;
 mod scene;
+mod stl;
 mod svg;
 
 pub use fonts::Fonts;
+pub use model::{Listed, ModelOptions, Reading, is_model, read_model, read_tree};
 
 use std::io::Read;
 

@@ -10,8 +10,10 @@
 
 mod convert;
 mod explain;
+mod extents;
 mod gather;
 mod info;
+mod model;
 mod pump;
 mod queue;
 mod render;
@@ -21,6 +23,7 @@ mod stream;
 pub use convert::convert;
 pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
+pub use model::{ModelEntry, ModelInfo, model_info};
 pub use size::{Size, lines};
 pub use stream::{Checkpoint, More, Stream};
 
@@ -29,12 +32,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::count::{Node, Program, Rule};
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::{Cost, Counting};
 use crate::region::{Picture, Rows};
 use crate::run::{BLACK, Header, MAX_INKS, Rgb};
-use crate::scene::{self, Expression, Layer, Limits, Scene};
+use crate::scene::{self, Area, Expression, Layer, Limits, Scene};
+use crate::shape::{FillRule, Shape};
 
 /// The default flattening tolerance, in pixels.
 pub const TOLERANCE: f64 = 0.1;
@@ -149,7 +154,7 @@ impl Job {
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         let page_alone = builder();
-        let (program, leaves) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
+        let (program, leaves) = program(&scene, &outputs, &page_alone);
         let (inks, ink_of_layer) = distinct_inks(layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
@@ -207,6 +212,17 @@ fn layers(scene: &mut Scene, options: &Options, warnings: &mut Vec<Warning>) -> 
             scene::Picture::Layers(layers) => layers.clone(),
         },
     })
+}
+
+/// The counting program of areas on a page, and the shapes that it needs with their leaves.
+fn program(scene: &Scene, outputs: &[Area], page: &Builder) -> (Program, Vec<(usize, Node)>) {
+    // What covers the page holds from the start, and waits for no crossing.
+    let rule = |shape: usize| match &scene.shapes[shape] {
+        shape if page.holds_page(shape) => Rule::AtLeast(0),
+        Shape { rule: FillRule::NonZero, .. } => Rule::NonZero,
+        Shape { rule: FillRule::EvenOdd, .. } => Rule::Odd,
+    };
+    scene::compile(&scene.formula, scene.shapes.len(), outputs, rule)
 }
 
 /// About 64 bands a page, a power of two of lines each, so that the number of bands follows the page's shape and not its resolution.

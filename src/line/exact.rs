@@ -32,12 +32,6 @@ pub struct Piece {
     pub line: Line,
 }
 
-/// The first scanline whose centre is not above `y`, in pixels, snapped to 1/256; without any bound.
-pub fn row(y: f64) -> f64 {
-    // A snapped coordinate of modest size has an exact half; one past 2^30 px is off every page anyway.
-    (y - 0.5).ceil()
-}
-
 /// Appends the pieces of the line from `top` down to `bottom` for `rows`, all of which it meets, with columns clamped to `0..=width`.
 /// Points are in pixels, snapped to 1/256, of any finite size.
 pub fn pieces(top: Point, bottom: Point, rows: std::ops::Range<u32>, width: u32, pieces: &mut Vec<Piece>) {
@@ -215,6 +209,12 @@ fn small(v: &impl ToPrimitive) -> i64 {
 mod tests {
     use super::*;
     use crate::grid::{snap, snap_point};
+
+    /// The first scanline whose centre is not above `y`, in pixels, snapped to 1/256; without any bound.
+    fn row(y: f64) -> f64 {
+        // A snapped coordinate of modest size has an exact half; one past 2^30 px is off every page anyway.
+        (y - 0.5).ceil()
+    }
 
     fn agrees(top: Point, bottom: Point, width: u32, height: u32) -> usize {
         let (top, bottom) = (snap_point(top), snap_point(bottom));

@@ -27,8 +27,8 @@ pub mod exact;
 
 use crate::grid::{SUB, first_centre};
 
-/// Bits of a column's fraction. A page's 2^20 columns and a bit for those that are wider than a page's fill the rest of 64.
-const FRACTION: u32 = 43;
+/// Bits of a position's fraction. A page's 2^20 columns and a bit for those that are wider than a page's fill the rest of 64.
+pub const FRACTION: u32 = 43;
 
 const ONE: f64 = (1_u64 << FRACTION) as f64;
 
@@ -47,26 +47,23 @@ pub struct Line {
 impl Line {
     /// The line that is at `a / d` on its first scanline and `b / d` further right on each next one, for `rows` scanlines with
     /// `rows d` at most 2^42. On all of them the columns must be on a page: `0..=2^20`.
+    #[inline]
     fn new(a: i64, b: i64, d: i64, rows: u32) -> Line {
         debug_assert!(fits(d, rows));
-        if rows == 1 { Line::vertical((a.div_euclid(d) + i64::from(a.rem_euclid(d) != 0)) as u32) } else { Line::rounded(a, b, d) }
+        // Of one scanline the slope does not matter, and could be any.
+        let line = Line::rounded(a, if rows == 1 { 0 } else { b }, d);
+        if rows == 1 { Line::vertical(line.column()) } else { line }
     }
 
     /// The same, whatever the number of scanlines.
     #[inline]
     fn rounded(a: i64, b: i64, d: i64) -> Line {
         let inverse = 1.0 / d as f64;
-        // Whole pixels, and what is left in units of 1/d.
+        // Whole pixels, to the nearest, and what is left in units of 1/d, of either sign.
         let split = |x: i64| {
-            let mut whole = (x as f64 * inverse) as i64;
-            let mut rest = x - whole * d;
-            // The quotient is off by one at most, and was rounded to 0.
-            if rest < 0 {
-                (whole, rest) = (whole - 1, rest + d);
-            } else if rest >= d {
-                (whole, rest) = (whole + 1, rest - d);
-            }
-            debug_assert!((0..d).contains(&rest));
+            let whole = nearest(x as f64 * inverse);
+            let rest = x - whole * d;
+            debug_assert!(rest.abs() < d);
             (whole, rest as f64)
         };
         let fixed = |whole: i64, rest: f64| ((whole as u64) << FRACTION).wrapping_add(nearest(rest * inverse * ONE) as u64);
@@ -80,22 +77,31 @@ impl Line {
     }
 
     /// The line through two points in 1/256 px, `top` above `bottom`, at scanline `row`, the first of `rows` that it meets on a page of `width` columns.
-    /// None if it leaves the page at a side, or is too tall or its ends too far out for one line: see [`exact::pieces`].
+    /// Between two centres of pixels it is vertical. None if it leaves the page at a side, or is too tall for one line: see [`exact::pieces`].
     #[inline]
     pub fn through(top: [i64; 2], bottom: [i64; 2], row: u32, rows: u32, width: u32) -> Option<Line> {
-        let [dx, dy] = [bottom[0] - top[0], bottom[1] - top[1]];
-        if dx == 0 {
-            return Some(Line::vertical(u32::try_from(first_centre(top[0])).ok().filter(|&column| column <= width)?));
-        }
         // Between the ends' columns lie all others, and with ends on the page 64 bits hold every product below.
-        let on_page = |x: i64| (0..=i64::from(width)).contains(&first_centre(x));
+        let [from, to] = [top[0], bottom[0]].map(first_centre);
+        let page = 0..=i64::from(width);
+        if !page.contains(&from) || !page.contains(&to) {
+            return None;
+        }
+        if from == to {
+            return Some(Line::vertical(from as u32));
+        }
+        let [dx, dy] = [bottom[0] - top[0], bottom[1] - top[1]];
         let d = dy * SUB;
-        if !on_page(top[0]) || !on_page(bottom[0]) || dy > BOUND / SUB || !fits(d, rows) {
+        if dy > BOUND / SUB || !fits(d, rows) {
             return None;
         }
         let down = i64::from(row) * SUB + SUB / 2 - top[1];
         let a = (top[0] - SUB / 2) * dy + down * dx;
         Some(Line::new(a, dx * SUB, d, rows))
+    }
+
+    /// The line of a position and a step, as [`Line::parts`] gives them.
+    pub fn of_parts(at: u64, step: u64) -> Line {
+        Line { at, step }
     }
 
     /// The column at this scanline.

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use self::state::State;
 use self::tangle::Tangle;
-use self::walk::{LEFT_SIDE, Walk};
+use self::walk::Walk;
 use crate::count::Program;
 use crate::edge::{Outlines, Side};
 use crate::run::{Lines, Run};
@@ -216,7 +216,7 @@ impl Rows {
         let toggles = if whole || self.busy > 0 {
             self.busy = self.busy.saturating_sub(1);
             self.counting = all;
-            self.walk.whole(&self.picture, &self.sweep)
+            self.walk.whole(&self.picture, &self.sweep, self.busy == 0)
         } else {
             let toggles = self.walk.changes(&self.picture, &self.sweep);
             self.counting = CHANGE * toggles;
@@ -246,14 +246,15 @@ impl Rows {
         &self.cost
     }
 
-    /// Turns boundaries and columns into runs. A boundary at the left side and one in column 0 coincide, and one in the last column is
+    /// Turns boundaries and columns into runs. A boundary in column 0 is at the left side, and one in the last column is
     /// behind the page: both leave an empty run, which is dropped.
     fn emit(&mut self) {
         let columns = self.sweep.columns();
+        let (left, boundaries) = self.walk.boundaries();
         self.runs.clear();
-        let (mut start, mut ink) = (0, PAPER);
-        for boundary in self.walk.boundaries() {
-            let end = if boundary.edge == LEFT_SIDE { 0 } else { columns[boundary.edge as usize] };
+        let (mut start, mut ink) = (0, left);
+        for boundary in boundaries {
+            let end = columns[boundary.edge as usize];
             if ink != PAPER && start < end {
                 self.runs.push(Run { start, end, ink });
             }

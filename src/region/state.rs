@@ -32,6 +32,9 @@ pub(super) struct Table {
     outside: usize,
     /// By the leaves that hold.
     inks: Vec<u32>,
+    leaves: usize,
+    /// By slot, and by leaf: `counts` behind the group that the edge is the last of.
+    behind: Vec<i32>,
 }
 
 /// Counters, and the layers that hold.
@@ -39,6 +42,11 @@ pub(super) struct Table {
 pub(super) struct Counted {
     counters: Counters,
     layers: BitSet,
+    /// By slot: the winding of its own shape behind an edge.
+    behind: Vec<i32>,
+    /// By leaf: the number of the last stretch in which it was seen.
+    seen: Vec<u64>,
+    stretch: u64,
 }
 
 impl State {
@@ -47,7 +55,7 @@ impl State {
         let counters = Counters::new(program);
         let mut layers = BitSet::new(inks.len());
         (0..inks.len()).filter(|&i| counters.output(program, i)).for_each(|i| layers.insert(i));
-        let counted = Counted { counters, layers };
+        let counted = Counted { counters, layers, behind: Vec::new(), seen: vec![0; program.leaves()], stretch: 0 };
         if program.leaves() <= FEW { State::Table(Table::new(program, inks, counted)) } else { State::Program(counted) }
     }
 
@@ -59,12 +67,30 @@ impl State {
         }
     }
 
-    /// Gives a leaf the count that it has somewhere else on the scanline. To be settled.
-    #[inline]
-    pub(super) fn set(&mut self, leaf: u32, count: i32) {
+    /// Makes room for what is known of so many slots.
+    pub(super) fn resize(&mut self, slots: usize) {
         match self {
-            State::Table(table) => table.set(leaf, count),
-            State::Program(counted) => counted.counters.set(leaf, count),
+            State::Table(table) => table.behind.resize(slots * table.leaves, 0),
+            State::Program(counted) => counted.behind.resize(slots, 0),
+        }
+    }
+
+    /// Goes to the end of a stretch that begins with the same windings as on the scanline above.
+    #[inline]
+    pub(super) fn skip(&mut self, picture: &Picture, sides: &[Side], stretch: &[Entry]) {
+        match self {
+            State::Table(table) => {
+                if let Some(last) = stretch.last() {
+                    for leaf in 0..table.leaves {
+                        let winding = table.behind[last.slot() * table.leaves + leaf] - table.counts[leaf];
+                        // A leaf that holds everywhere has no edges, and no count that says so.
+                        if winding != 0 {
+                            table.add(Side { leaf: leaf as u32, winding });
+                        }
+                    }
+                }
+            }
+            State::Program(counted) => counted.skip(picture, sides, stretch),
         }
     }
 
@@ -78,29 +104,33 @@ impl State {
 
     /// Brings everything up to date with what was set.
     pub(super) fn settle(&mut self, program: &Program) {
-        if let State::Program(Counted { counters, layers }) = self {
+        if let State::Program(Counted { counters, layers, .. }) = self {
             counters.settle(program, |layer, holds| layers.set(layer as usize, holds));
         }
     }
 
-    /// Crosses the edges of the group that begins at `edge`, and puts down by slot what the windings of their shapes are behind them. Gives
+    /// Crosses the edges of the group that begins at `edge`, and if it is to be `known` puts down by slot what the windings are behind them. Gives
     /// the index behind the group, and the ink there.
     #[inline(always)]
-    pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize, behind: &mut [i32]) -> (usize, u32) {
+    pub(super) fn group(&mut self, picture: &Picture, sides: &[Side], list: &[Entry], edge: usize, known: bool) -> (usize, u32) {
         let tied = |edge: usize| list.get(edge).is_some_and(|entry| entry.is_tied());
-        let slot = list[edge].slot();
+        let mut slot = list[edge].slot();
         let mut next = edge + 1;
         match self {
             State::Table(table) => {
-                behind[slot] = table.add(sides[slot]);
+                table.add(sides[slot]);
                 while tied(next) {
-                    let slot = list[next].slot();
-                    behind[slot] = table.add(sides[slot]);
+                    slot = list[next].slot();
+                    table.add(sides[slot]);
                     next += 1;
+                }
+                if known {
+                    let behind = &mut table.behind[slot * table.leaves..][..table.leaves];
+                    behind.iter_mut().zip(&table.counts).for_each(|(behind, count)| *behind = *count);
                 }
                 (next, table.inks[table.inside])
             }
-            State::Program(Counted { counters, layers }) => {
+            State::Program(Counted { counters, layers, behind, .. }) => {
                 let Side { leaf, winding } = sides[slot];
                 let flip = |layer: u32, holds| layers.set(layer as usize, holds);
                 if tied(next) {
@@ -124,6 +154,23 @@ impl Counted {
     fn ink(&self, inks: &[u32]) -> u32 {
         self.layers.last().map_or(PAPER, |layer| inks[layer])
     }
+
+    /// Behind a stretch each shape has the winding that it had behind its last edge there: looked for from the end.
+    fn skip(&mut self, picture: &Picture, sides: &[Side], stretch: &[Entry]) {
+        self.stretch += 1;
+        let mut unseen = picture.outlines.leaves;
+        for entry in stretch.iter().rev() {
+            let leaf = sides[entry.slot()].leaf;
+            if std::mem::replace(&mut self.seen[leaf as usize], self.stretch) != self.stretch {
+                self.counters.set(leaf, self.behind[entry.slot()]);
+                unseen -= 1;
+                if unseen == 0 {
+                    break;
+                }
+            }
+        }
+        self.counters.settle(&picture.program, |layer, holds| self.layers.set(layer as usize, holds));
+    }
 }
 
 impl Table {
@@ -133,14 +180,14 @@ impl Table {
         let rule = |leaf: usize| program.rule(leaf as u32);
         // A count that makes a leaf hold, and one that does not; leaves that hold everywhere have no edges.
         let count = |leaf: usize, holds: bool| if let Rule::AtLeast(k) = rule(leaf) { k - i32::from(!holds) } else { i32::from(holds) };
-        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, outside: 0, inks: Vec::new() };
+        let mut table = Table { counts: [0; FEW], masks: [0; FEW], inside: 0, outside: 0, inks: Vec::new(), leaves, behind: Vec::new() };
         for leaf in 0..leaves {
             table.masks[leaf] = if rule(leaf) == Rule::Odd { 1 } else { -1 };
             table.inside |= usize::from(rule(leaf).holds(0)) << leaf;
         }
         table.outside = table.inside;
         for inside in 0..1 << leaves {
-            let Counted { counters, layers } = &mut counted;
+            let Counted { counters, layers, .. } = &mut counted;
             (0..leaves).for_each(|leaf| counters.set(leaf as u32, count(leaf, inside >> leaf & 1 == 1)));
             counters.settle(program, |layer, holds| layers.set(layer as usize, holds));
             table.inks.push(counted.ink(inks));
@@ -149,17 +196,10 @@ impl Table {
     }
 
     #[inline]
-    fn add(&mut self, side: Side) -> i32 {
+    fn add(&mut self, side: Side) {
         let leaf = side.leaf as usize % FEW;
         let count = self.counts[leaf] + side.winding;
         self.counts[leaf] = count;
         self.inside = self.inside & !(1 << leaf) | usize::from(count & self.masks[leaf] != 0) << leaf;
-        count
-    }
-
-    #[inline]
-    fn set(&mut self, leaf: u32, count: i32) {
-        let winding = count - self.counts[leaf as usize];
-        self.add(Side { leaf, winding });
     }
 }

@@ -19,8 +19,8 @@
 //! ```
 //!
 //! Counting begins at the first group that differs, and ends where the windings passed in one list and in the other are the same again, shape by shape. That is the
-//! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped each shape has the winding that it had behind its last edge
-//! there, so a few edges are looked at, from the stretch's end, where shapes are few.
+//! paper's skipped counting (2.2.3), for parts of a scanline. Behind a stretch that is skipped the windings are those that were put down when it was counted
+//! (`state`).
 
 use crate::edge::Side;
 use crate::sweep::{Entry, Sweep};
@@ -31,36 +31,35 @@ use super::state::State;
 /// A place where the visible ink changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Boundary {
-    /// Index into the active list of the first of the edges in its column; [`LEFT_SIDE`] for what holds before any.
+    /// Index into the active list of the first of the edges in its column.
     pub(super) edge: u32,
     /// The ink from there on, or [`super::PAPER`].
     pub(super) ink: u32,
 }
-
-pub(super) const LEFT_SIDE: u32 = u32::MAX;
 
 /// What is known of the line that was counted last.
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
     state: State,
     list: Vec<Entry>,
+    /// The ink at the left side of every scanline.
+    left: u32,
     boundaries: Vec<Boundary>,
     /// The boundaries before the last count.
     before: Vec<Boundary>,
     difference: Difference,
-    windings: Windings,
 }
 
 impl Walk {
     pub(super) fn new(picture: &Picture) -> Walk {
         let difference = Difference(vec![0; picture.program.leaves()]);
-        let windings = Windings { behind: Vec::new(), seen: vec![0; picture.program.leaves()], stretch: 0 };
-        Walk { state: picture.start.clone(), list: Vec::new(), boundaries: Vec::new(), before: Vec::new(), difference, windings }
+        let left = picture.start.ink(&picture.inks);
+        Walk { state: picture.start.clone(), list: Vec::new(), left, boundaries: Vec::new(), before: Vec::new(), difference }
     }
 
-    /// Where the visible ink changes on the line that was counted last.
-    pub(super) fn boundaries(&self) -> &[Boundary] {
-        &self.boundaries
+    /// The ink at the left side, and where it changes on the line that was counted last.
+    pub(super) fn boundaries(&self) -> (u32, &[Boundary]) {
+        (self.left, &self.boundaries)
     }
 
     /// About what a crossing costs where the whole list is counted, in the units of [`super::STEP`].
@@ -68,32 +67,31 @@ impl Walk {
         if let State::Table(_) = self.state { 3 } else { 8 }
     }
 
-    /// Counts the whole list. Gives the number of crossings counted.
-    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
+    /// Counts the whole list, so that if it is to be `known` [`Walk::changes`] can go on from it. Gives the number of crossings counted.
+    pub(super) fn whole(&mut self, picture: &Picture, sweep: &Sweep<Side>, known: bool) -> usize {
         let new = sweep.list();
         self.boundaries.clear();
-        self.windings.behind.resize(sweep.tags().len(), 0);
-        let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries, &mut self.windings);
+        self.state.resize(sweep.tags().len());
+        let mut line = Line::new(picture, sweep.tags(), new, &mut self.state, &mut self.boundaries);
         let mut i = 0;
         while i < new.len() {
-            i = line.group(i);
+            i = line.group(i, known);
         }
         self.finish(picture, sweep);
         sweep.list().len()
     }
 
-    /// Counts what differs from the line that was counted last. Gives the number of crossings counted.
+    /// Counts what differs from the line that was counted last, which is known. Gives the number of crossings counted.
     pub(super) fn changes(&mut self, picture: &Picture, sweep: &Sweep<Side>) -> usize {
         let (new, old, sides) = (sweep.list(), &self.list, sweep.tags());
         let tied = |list: &[Entry], i: usize| list.get(i).is_some_and(|entry| entry.is_tied());
         std::mem::swap(&mut self.boundaries, &mut self.before);
         self.boundaries.clear();
-        self.windings.behind.resize(sides.len(), 0);
-        let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries, &mut self.windings);
+        self.state.resize(sides.len());
+        let mut line = Line::new(picture, sides, new, &mut self.state, &mut self.boundaries);
         let difference = &mut self.difference;
         let mut counted = 0;
-        // The boundary at the left side stands already.
-        let mut kept = 1;
+        let mut kept = 0;
         let (mut i, mut j) = (0, 0);
         loop {
             // What is equal, up to the group that what differs belongs to.
@@ -105,7 +103,7 @@ impl Walk {
                 }
             }
             kept += self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j).count();
-            let known = self.before[kept..].iter().take_while(|boundary| (boundary.edge as usize) < j + same).count();
+            let known = in_front(&self.before[kept..], (j + same) as u32);
             line.keep(&self.before[kept..kept + known], i as u32, j as u32);
             kept += known;
             line.skip(i..i + same);
@@ -116,8 +114,8 @@ impl Walk {
             // What differs, until the windings are the same again.
             let start = i;
             let mut unequal = 0;
-            while i < new.len() && (unequal != 0 || i == start || old.get(j) != Some(&new[i])) {
-                let end = line.group(i);
+            while i < new.len() && (unequal != 0 || i == start || !old.get(j).is_some_and(|entry| entry.is_same(new[i]))) {
+                let end = line.group(i, true);
                 for entry in &new[i..end] {
                     unequal += difference.pass(sides[entry.slot()], 1);
                     // What stands in its place in the other list, and what stood before that and has ended.
@@ -149,7 +147,7 @@ impl Walk {
         }
         self.state.settle(&picture.program);
         self.list.clear();
-        self.list.extend(sweep.list().iter().map(|entry| entry.stays()));
+        self.list.extend_from_slice(sweep.list());
     }
 }
 
@@ -160,7 +158,6 @@ struct Line<'a> {
     list: &'a [Entry],
     state: &'a mut State,
     boundaries: &'a mut Vec<Boundary>,
-    windings: &'a mut Windings,
     /// What is visible here.
     ink: u32,
 }
@@ -173,11 +170,9 @@ impl<'a> Line<'a> {
         list: &'a [Entry],
         state: &'a mut State,
         boundaries: &'a mut Vec<Boundary>,
-        windings: &'a mut Windings,
     ) -> Line<'a> {
         let ink = state.ink(&picture.inks);
-        boundaries.push(Boundary { edge: LEFT_SIDE, ink });
-        Line { picture, sides, list, state, boundaries, windings, ink }
+        Line { picture, sides, list, state, boundaries, ink }
     }
 
     fn boundary(&mut self, edge: usize, ink: u32) {
@@ -187,37 +182,21 @@ impl<'a> Line<'a> {
 
     /// Takes over boundaries of a stretch that stands at `i` in the list, and stood at `j`.
     fn keep(&mut self, boundaries: &[Boundary], i: u32, j: u32) {
-        let from = self.boundaries.len();
-        self.boundaries.extend_from_slice(boundaries);
-        if i != j {
-            self.boundaries[from..].iter_mut().for_each(|boundary| boundary.edge = boundary.edge.wrapping_add(i.wrapping_sub(j)));
-        }
+        let moved = |boundary: &Boundary| Boundary { edge: boundary.edge.wrapping_add(i.wrapping_sub(j)), ..*boundary };
+        self.boundaries.extend(boundaries.iter().map(moved));
         self.ink = boundaries.last().map_or(self.ink, |last| last.ink);
     }
 
     /// Goes to the end of a stretch whose boundaries are known.
     fn skip(&mut self, edges: std::ops::Range<usize>) {
-        let Windings { behind, seen, stretch } = &mut *self.windings;
-        *stretch += 1;
-        let mut unseen = self.picture.outlines.leaves;
-        for entry in self.list[edges].iter().rev() {
-            let leaf = self.sides[entry.slot()].leaf;
-            if std::mem::replace(&mut seen[leaf as usize], *stretch) != *stretch {
-                self.state.set(leaf, behind[entry.slot()]);
-                unseen -= 1;
-                if unseen == 0 {
-                    break;
-                }
-            }
-        }
-        self.state.settle(&self.picture.program);
+        self.state.skip(self.picture, self.sides, &self.list[edges]);
         debug_assert_eq!(self.ink, self.state.ink(&self.picture.inks), "the boundaries that were known are right");
     }
 
     /// Counts the group that begins at an index, and gives the index behind it.
     #[inline(always)]
-    fn group(&mut self, edge: usize) -> usize {
-        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, &mut self.windings.behind);
+    fn group(&mut self, edge: usize, known: bool) -> usize {
+        let (next, ink) = self.state.group(self.picture, self.sides, self.list, edge, known);
         if ink != self.ink {
             self.boundary(edge, ink);
         }
@@ -225,23 +204,27 @@ impl<'a> Line<'a> {
     }
 }
 
-/// How long two lists are equal.
-fn equal(a: &[Entry], b: &[Entry]) -> usize {
-    const BLOCK: usize = 16;
-    let same = |(a, b): &(&[Entry], &[Entry])| a.iter().zip(*b).fold(true, |same, (a, b)| same & (a == b));
-    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).take_while(same).count();
-    let start = blocks * BLOCK;
-    start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a == b).count()
+/// How many boundaries stand in front of an edge: few of many, as a rule, so they are passed in blocks.
+#[inline]
+fn in_front(boundaries: &[Boundary], edge: u32) -> usize {
+    const BLOCK: usize = 8;
+    let start = BLOCK * boundaries.as_chunks::<BLOCK>().0.iter().take_while(|block| block[BLOCK - 1].edge < edge).count();
+    start + boundaries[start..].iter().take_while(|boundary| boundary.edge < edge).count()
 }
 
-/// Windings of the shapes along the line that was counted last.
-#[derive(Clone, Debug)]
-struct Windings {
-    /// By slot: the winding of its own shape behind an edge.
-    behind: Vec<i32>,
-    /// By leaf: the number of the last stretch in which it was seen.
-    seen: Vec<u64>,
-    stretch: u64,
+/// How long two lists are equal.
+#[inline]
+fn equal(a: &[Entry], b: &[Entry]) -> usize {
+    const BLOCK: usize = 16;
+    let (a_blocks, b_blocks) = (a.as_chunks::<BLOCK>().0, b.as_chunks::<BLOCK>().0);
+    for (block, (a, b)) in a_blocks.iter().zip(b_blocks).enumerate() {
+        let differ = (0..BLOCK).fold(0, |bits, i| bits | u32::from(!a[i].is_same(b[i])) << i);
+        if differ != 0 {
+            return block * BLOCK + differ.trailing_zeros() as usize;
+        }
+    }
+    let start = a_blocks.len().min(b_blocks.len()) * BLOCK;
+    start + a[start..].iter().zip(&b[start..]).take_while(|(a, b)| a.is_same(**b)).count()
 }
 
 /// By leaf: windings passed in one list less those passed in the other.

@@ -2,21 +2,15 @@
 
 use super::{Area, Formula, Gate};
 use crate::count::{Node, Program, Rule};
-use crate::shape::{FillRule, Shape};
 
-/// The program whose output i is `outputs[i]`, and the shapes it needs with their leaves, in document order. Leaves of shapes that are
-/// `everywhere` hold from the start, and wait for no crossing.
-pub fn compile(
-    formula: &Formula,
-    shapes: &[Shape],
-    outputs: &[Area],
-    everywhere: impl Fn(&Shape) -> bool,
-) -> (Program, Vec<(usize, Node)>) {
+/// The program whose output i is `outputs[i]`, and those of the `shapes` shapes that it needs, with their leaves, in document order. `rule` tells
+/// when a shape holds, by the crossings that are counted.
+pub fn compile(formula: &Formula, shapes: usize, outputs: &[Area], rule: impl Fn(usize) -> Rule) -> (Program, Vec<(usize, Node)>) {
     const UNSEEN: Node = Node::MAX;
     let mut program = Program::default();
 
     // Leaves first, in the order of the document.
-    let mut leaf_of = vec![UNSEEN; shapes.len()];
+    let mut leaf_of = vec![UNSEEN; shapes];
     let mut reached = vec![false; formula.gates().len()];
     let mut open = outputs.to_vec();
     while let Some(area) = open.pop() {
@@ -35,13 +29,9 @@ pub fn compile(
     }
     needed.sort_unstable();
     for (index, i) in needed {
-        let (shape, leaf) = (&shapes[index as usize], &mut leaf_of[index as usize]);
+        let leaf = &mut leaf_of[index as usize];
         if *leaf == UNSEEN {
-            *leaf = program.leaf(match shape.rule {
-                _ if everywhere(shape) => Rule::AtLeast(0),
-                FillRule::NonZero => Rule::NonZero,
-                FillRule::EvenOdd => Rule::Odd,
-            });
+            *leaf = program.leaf(rule(index as usize));
         }
         node_of[i] = *leaf;
     }

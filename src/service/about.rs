@@ -72,6 +72,15 @@ pub fn describe(api: OpenApi) -> Value {
             }
         }
     }
+    // Of each event: its fields are text, and one of them holds a job.
+    api["paths"]["/v1/jobs/{id}/events"]["get"]["responses"]["200"]["content"]["text/event-stream"]["schema"] = json!({
+        "type": "object",
+        "required": ["event", "data"],
+        "properties": {
+            "event": { "const": "progress" },
+            "data": { "type": "string", "contentMediaType": "application/json", "contentSchema": { "$ref": "#/components/schemas/Job" } },
+        },
+    });
     let unauthorized = json!({ "description": "A token is asked for", "content": { "application/problem+json": { "schema": { "$ref": "#/components/schemas/Problem" } } } });
     let forbidden = json!({ "description": "Not from there", "content": { "application/problem+json": { "schema": { "$ref": "#/components/schemas/Problem" } } } });
     for (path, methods) in api["paths"].as_object_mut().into_iter().flatten() {

@@ -1,5 +1,6 @@
 //! What every request passes: who asks, a name for the request, a line in the log, and the state of its connection.
 
+use std::net::IpAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
@@ -72,8 +73,10 @@ fn local(service: &Service, headers: &HeaderMap) -> Result<(), Problem> {
     Err(forbidden("pages of other sites may not use this service: name their origin with --allow-origin"))
 }
 
+/// Whether a host is this machine by its name, or by an address of loopback (all of 127.0.0.0/8 are).
 fn is_local(host: &str) -> bool {
-    matches!(host.to_ascii_lowercase().as_str(), "localhost" | "127.0.0.1" | "[::1]")
+    let address = host.strip_prefix('[').and_then(|host| host.strip_suffix(']')).unwrap_or(host);
+    host.eq_ignore_ascii_case("localhost") || address.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
 }
 
 /// Whether the token is there, where one is asked for.

@@ -257,10 +257,11 @@ pub async fn watch(connections: Arc<Connections>, config: Arc<Config>) {
         for connection in &open {
             if connection.lasts(Phase::Head).is_some_and(|time| time > config.head_timeout) {
                 connection.end(Why::Head);
+            } else if connection.waits.load(Ordering::Relaxed) > 0 {
+                // Also behind the end of an answer, whose last bytes may take a slow reader longer than an idle connection is kept.
+                waiting.push(connection);
             } else if connection.lasts(Phase::Idle).is_some_and(|time| time > config.idle_timeout) {
                 connection.end(Why::Idle);
-            } else if connection.waits.load(Ordering::Relaxed) > 0 {
-                waiting.push(connection);
             }
         }
         let key = |connection: &Connection| (connection.local, connection.peer);

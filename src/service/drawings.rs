@@ -8,7 +8,7 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Instant;
 
-use tokio::sync::{OnceCell, Semaphore};
+use tokio::sync::{OnceCell, OwnedSemaphorePermit, Semaphore};
 
 use super::config::Config;
 use super::meters;
@@ -73,6 +73,23 @@ pub struct Shared {
     _cell: Arc<OnceCell<Arc<Drawing>>>,
 }
 
+/// A place among those who prepare, and one among those who wait for that.
+struct Places {
+    _waiting: OwnedSemaphorePermit,
+    _preparing: OwnedSemaphorePermit,
+}
+
+impl Places {
+    /// Works on another thread. It goes on when the client has gone, and counts until it ends.
+    async fn work<T: Send + 'static>(self, work: impl FnOnce() -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
+        let done = tokio::task::spawn_blocking(move || {
+            let _places = self;
+            work()
+        });
+        done.await.map_err(Problem::internal)?
+    }
+}
+
 impl Drawings {
     /// None yet.
     pub fn new(config: Arc<Config>) -> Drawings {
@@ -94,9 +111,16 @@ impl Drawings {
     /// What is wrong with the document or what is asked of it; too many wait.
     pub async fn get(&self, key: Key, options: Options, source: Source) -> Result<Shared, Problem> {
         let cell = self.cell(key);
-        let drawing = cell.get_or_try_init(|| self.prepare(options, source)).await?.clone();
+        let shared = match cell.get_or_try_init(|| self.prepare(options, source)).await {
+            Ok(drawing) => Ok(Shared { drawing: drawing.clone(), _cell: cell }),
+            Err(problem) => {
+                // Nothing of what failed stays.
+                drop(cell);
+                Err(problem)
+            }
+        };
         self.trim();
-        Ok(Shared { drawing, _cell: cell })
+        shared
     }
 
     fn cell(&self, key: Key) -> Arc<OnceCell<Arc<Drawing>>> {
@@ -111,35 +135,31 @@ impl Drawings {
     }
 
     async fn prepare(&self, mut options: Options, source: Source) -> Result<Arc<Drawing>, Problem> {
+        let places = self.places().await?;
         if self.weight() > self.config.max_drawings {
             return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
         }
-        let work = self.work(move |config| {
-            options.limits = config.limits;
-            options.started = Instant::now();
-            prepare(config, &options, source)
-        });
-        work.await.map(Arc::new)
+        let config = self.config.clone();
+        options.limits = config.limits;
+        options.started = Instant::now();
+        places.work(move || prepare(&config, &options, source)).await.map(Arc::new)
     }
 
-    /// Has something done with a document on another thread, when there is a place among those that do.
+    /// Has something done with a document, when there is a place among those who prepare.
     ///
     /// # Errors
     /// Those of the work; too many wait.
     pub async fn work<T: Send + 'static>(&self, work: impl FnOnce(&Config) -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
+        let (places, config) = (self.places().await?, self.config.clone());
+        places.work(move || work(&config)).await
+    }
+
+    async fn places(&self) -> Result<Places, Problem> {
         let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
-        let place = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
-        let preparing = {
-            let _waits = meters::Waits::new("preparations");
-            self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?
-        };
-        let config = self.config.clone();
-        let done = tokio::task::spawn_blocking(move || {
-            // It goes on when the client has gone, and counts until it ends.
-            let _places = (place, preparing);
-            work(&config)
-        });
-        done.await.map_err(Problem::internal)?
+        let _waiting = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
+        let _waits = meters::Waits::new("preparations");
+        let _preparing = self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?;
+        Ok(Places { _waiting, _preparing })
     }
 
     /// What all drawings weigh that are there.
@@ -198,7 +218,13 @@ pub fn read(config: &Config, bytes: Vec<u8>) -> Result<(Scene, Vec<Warning>), Pr
 }
 
 fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
-    let bytes = source().map_err(|error| Problem::internal(format!("a document cannot be read: {error}")))?;
+    let bytes = source().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::internal(format!("a document cannot be read: {error}")),
+        _ => {
+            tracing::error!("a document cannot be read: {error}");
+            Problem::busy("store", "the document cannot be read at the moment: try again later", 5)
+        }
+    })?;
     let (scene, mut warnings) = read(config, bytes)?;
     let job = Job::prepare(scene, options, &mut warnings)?;
     let header = job.header();

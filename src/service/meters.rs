@@ -13,6 +13,11 @@ pub fn text() -> String {
     handle.render()
 }
 
+/// Gathers what was measured since it was done last, which would grow if nobody asked for [`text`].
+pub fn gather() {
+    handle().run_upkeep();
+}
+
 /// Starts counting, once in a process.
 pub fn start() {
     handle();

@@ -17,7 +17,8 @@ pub struct Problem {
     name: &'static str,
     detail: String,
     place: Option<Place>,
-    header: Option<(HeaderName, HeaderValue)>,
+    /// In a box: problems are handed from function to function.
+    header: Option<Box<(HeaderName, HeaderValue)>>,
 }
 
 /// A problem as it is sent (RFC 9457).
@@ -85,7 +86,7 @@ impl Problem {
     /// With a header beside it.
     #[must_use]
     pub fn with(self, name: HeaderName, value: HeaderValue) -> Problem {
-        Problem { header: Some((name, value)), ..self }
+        Problem { header: Some(Box::new((name, value))), ..self }
     }
 
     /// What is wrong, and what to do.
@@ -137,7 +138,7 @@ impl IntoResponse for Problem {
         };
         let mut response = (self.status, Json(details)).into_response();
         response.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        response.headers_mut().extend(self.header);
+        response.headers_mut().extend(self.header.map(|header| *header));
         response
     }
 }

@@ -29,40 +29,44 @@ pub struct Flattening {
 /// Curves larger than so many tolerances are halved before they are flattened.
 const LARGE: f64 = 655_360.0;
 
-/// Points of a ring that follow those of the part before: one to [`PART`].
+/// Points of a ring that follow those of the part before: one to [`PART`], in pixels, columns and rows apart.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'p> {
-    /// In pixels.
-    pub points: &'p [Point],
+    /// By point: x.
+    pub xs: &'p [f64],
+    /// By point: y.
+    pub ys: &'p [f64],
     /// Whether the ring ends with them.
     pub last: bool,
+}
+
+impl Part<'_> {
+    /// The points one by one.
+    pub fn points(&self) -> impl Iterator<Item = Point> {
+        self.xs.iter().zip(self.ys).map(|(&x, &y)| [x, y])
+    }
 }
 
 /// Most points of a [`Part`].
 pub const PART: usize = 256;
 
-/// The parts of a ring that is at hand.
-pub(super) fn parts(ring: &[Point]) -> impl Iterator<Item = Part<'_>> {
-    let count = ring.len().div_ceil(PART);
-    ring.chunks(PART).zip(1..).map(move |(points, number)| Part { points, last: number == count })
+/// Hands a ring that is at hand to `part`.
+pub(super) fn whole(ring: &[Point], part: impl FnMut(Part<'_>) -> Result<()>) -> Result<()> {
+    let mut held = Held::new(part);
+    held.lines(ring, |p| p)?;
+    held.end()
 }
 
 /// Hands the rings of a path under an affine map to `part`; see [`super::Shape::rings`].
 pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, part: impl FnMut(Part<'_>) -> Result<()>) -> Result<()> {
-    let mut held = Held { points: Vec::with_capacity(PART.min(path.points().len())), part };
+    let mut held = Held::new(part);
     for piece in pieces(path) {
         match piece {
             Piece::Start(p) => {
                 held.end()?;
                 held.push(affine(matrix, p))?;
             }
-            Piece::Lines(mut ends) => {
-                while !ends.is_empty() {
-                    let now;
-                    (now, ends) = ends.split_at(held.room()?.min(ends.len()));
-                    held.points.extend(now.iter().map(|&p| affine(matrix, p)));
-                }
-            }
+            Piece::Lines(ends) => held.lines(ends, |p| affine(matrix, p))?,
             Piece::Cubic(cubic) => {
                 let mut done = Ok(());
                 flatten(cubic.map(|p| affine(matrix, p)), how, |_, _, p| {
@@ -80,33 +84,46 @@ pub(super) fn rings(path: &Path, matrix: &[f64; 6], how: &Flattening, part: impl
 
 /// Points of a ring on their way out.
 struct Held<P> {
-    points: Vec<Point>,
+    xs: [f64; PART],
+    ys: [f64; PART],
+    len: usize,
     part: P,
 }
 
 impl<P: FnMut(Part<'_>) -> Result<()>> Held<P> {
-    /// How many points can be added, one at least. What hands on a part keeps the ring open: a point follows.
-    fn room(&mut self) -> Result<usize> {
-        if self.points.len() == PART {
-            (self.part)(Part { points: &self.points, last: false })?;
-            self.points.clear();
+    fn new(part: P) -> Held<P> {
+        Held { xs: [0.0; PART], ys: [0.0; PART], len: 0, part }
+    }
+
+    /// Hands on what is held.
+    fn hand_on(&mut self, last: bool) -> Result<()> {
+        let len = std::mem::take(&mut self.len);
+        (self.part)(Part { xs: &self.xs[..len], ys: &self.ys[..len], last })
+    }
+
+    /// Adds the points, each mapped. What is handed on for want of room keeps the ring open: a point follows.
+    #[inline]
+    fn lines(&mut self, mut ends: &[Point], map: impl Fn(Point) -> Point) -> Result<()> {
+        while !ends.is_empty() {
+            if self.len == PART {
+                self.hand_on(false)?;
+            }
+            let (xs, ys) = (&mut self.xs[self.len..], &mut self.ys[self.len..]);
+            let now;
+            (now, ends) = ends.split_at(xs.len().min(ends.len()));
+            xs.iter_mut().zip(ys).zip(now).for_each(|((x, y), &p)| [*x, *y] = map(p));
+            self.len += now.len();
         }
-        Ok(PART - self.points.len())
+        Ok(())
     }
 
     fn push(&mut self, p: Point) -> Result<()> {
-        self.room()?;
-        self.points.push(p);
-        Ok(())
+        self.lines(&[p], |p| p)
     }
 
     /// Ends the ring, if there is one.
     fn end(&mut self) -> Result<()> {
-        if !self.points.is_empty() {
-            (self.part)(Part { points: &self.points, last: true })?;
-            self.points.clear();
-        }
-        Ok(())
+        if self.len > 0 { self.hand_on(true) } else { Ok(()) }
     }
 }
 
@@ -142,6 +159,7 @@ struct Pieces<'p> {
 
 impl<'p> Pieces<'p> {
     /// The next verb or, as long outlines are mostly lines, run of lines, with its points.
+    #[inline]
     fn take(&mut self, verb: Verb) -> &'p [Point] {
         let (verbs, points) = match verb {
             Verb::Move => (1, 1),
@@ -165,6 +183,7 @@ impl<'p> Pieces<'p> {
 impl<'p> Iterator for Pieces<'p> {
     type Item = Piece<'p>;
 
+    #[inline]
     fn next(&mut self) -> Option<Piece<'p>> {
         let mut verb = *self.verbs.first()?;
         while verb == Verb::Close && !self.open {
@@ -257,17 +276,22 @@ mod tests {
 
     fn points(path: &Path, matrix: &[f64; 6], how: Flattening) -> Vec<Vec<Point>> {
         let (mut all, mut ring) = (Vec::new(), Vec::new());
-        let done = rings(path, matrix, &how, |Part { points, last }| {
-            assert!((1..=PART).contains(&points.len()));
-            ring.extend_from_slice(points);
-            if last {
-                all.push(std::mem::take(&mut ring));
-            }
+        rings(path, matrix, &how, |part| {
+            gather(part, &mut ring, &mut all);
             Ok(())
-        });
-        done.unwrap();
+        })
+        .unwrap();
         assert!(ring.is_empty(), "the last ring ends");
         all
+    }
+
+    /// Puts a part behind those of its ring, and the ring to the others where it ends.
+    fn gather(part: Part<'_>, ring: &mut Vec<Point>, all: &mut Vec<Vec<Point>>) {
+        assert!((1..=PART).contains(&part.xs.len()) && part.xs.len() == part.ys.len());
+        ring.extend(part.points());
+        if part.last {
+            all.push(std::mem::take(ring));
+        }
     }
 
     /// Distance from points of the true cubic to the polyline.
@@ -339,9 +363,13 @@ mod tests {
             path.ring(&long);
             let all = points(&path, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0], Flattening { tolerance: 0.1, window: [0.0, 0.0, 9.0, 9.0] });
             assert_eq!(all, [&long[..], &square, &long], "{length}");
-            let at_once: Vec<Part<'_>> = parts(&long).collect();
-            assert_eq!(at_once.iter().map(|part| part.points).collect::<Vec<_>>().concat(), long);
-            assert!(at_once.iter().rev().map(|part| part.last).eq((0..at_once.len()).map(|i| i == 0)), "{length}");
+            let (mut at_once, mut ring) = (Vec::new(), Vec::new());
+            whole(&long, |part| {
+                gather(part, &mut ring, &mut at_once);
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(at_once, [&long[..]], "{length}");
         }
     }
 

@@ -230,7 +230,7 @@ impl Shape {
     /// # Errors
     /// A stroke of more than [`DASHES`], or under a homography; the first that `part` returns.
     pub fn rings(&self, transform: &Transform, how: &Flattening, mut part: impl FnMut(Part<'_>) -> Result<()>) -> Result<()> {
-        let whole = |ring: &[Point]| flatten::parts(ring).try_for_each(&mut part);
+        let whole = |ring: &[Point]| flatten::whole(ring, &mut part);
         match (&self.stroke, transform) {
             (None, Transform::Affine(matrix)) => flatten::rings(&self.path, matrix, how, part),
             (None, Transform::Projective(matrix)) => projective::rings(&self.path, matrix, how, whole),

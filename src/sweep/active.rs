@@ -62,10 +62,10 @@ impl Entry {
         self.0 & ENTERED != 0
     }
 
-    /// The same entry on the next scanline, if nothing happens to it.
+    /// Whether both are of one slot and tied alike: of this scanline and the one above, the same chain in the same relation to the one before.
     #[inline]
-    pub fn stays(self) -> Entry {
-        Entry(self.0 & !ENTERED)
+    pub fn is_same(self, other: Entry) -> bool {
+        (self.0 ^ other.0) & !ENTERED == 0
     }
 }
 
@@ -161,7 +161,7 @@ impl<T: Copy> Sweep<T> {
         let placed = self.columns.iter().zip(active()).all(|(&column, slot)| column == slots.column(slot));
         let tie = |i: usize| i > 0 && self.columns[i] == self.columns[i - 1];
         let ties = self.list.iter().enumerate().all(|(i, entry)| entry.is_tied() == tie(i));
-        let leave = active().map(|slot| slots.until[slot]).min().unwrap_or(NEVER) as u32;
+        let leave = active().map(|slot| slots.actives[slot].until).min().unwrap_or(NEVER);
         let leave = leave == slots.leave(y) && leave > y;
         let moving = active().filter(|&slot| slots.steps[slot] != 0).count();
         let free = slots.len() - self.list.len() == slots.free.len() + slots.ended.len();
@@ -190,7 +190,7 @@ impl<T: Copy> Sweep<T> {
     /// From the scanline before to `y`. True if anything but columns changed.
     fn advance(&mut self, edges: &Edges<T>, y: u32) -> bool {
         if std::mem::take(&mut self.entered) {
-            self.list.iter_mut().for_each(|entry| *entry = entry.stays());
+            self.list.iter_mut().for_each(|entry| entry.0 &= !ENTERED);
         }
         let moved = self.slots.step(y);
         let replaced = self.slots.replace(edges, y);
@@ -261,11 +261,13 @@ impl<T: Copy> Sweep<T> {
     /// sorting. True if something was out of order.
     fn settle(&mut self) -> bool {
         // Columns of a page are below 2^31: signed numbers, many of which are compared at once.
-        let sorted = |columns: &[u32]| columns.windows(2).fold(true, |sorted, pair| sorted & (pair[0] as i32 <= pair[1] as i32));
+        let sorted = |columns: &[u32; BLOCK + 1]| (0..BLOCK).fold(true, |sorted, i| sorted & (columns[i] as i32 <= columns[i + 1] as i32));
         let mut budget = 4 * self.columns.len() + 64;
-        for start in (1..self.columns.len()).step_by(BLOCK) {
-            let end = self.columns.len().min(start + BLOCK);
-            if sorted(&self.columns[start - 1..end]) {
+        let mut end = 1;
+        while end < self.columns.len() {
+            let (start, rest) = (end, &self.columns[end - 1..]);
+            end = self.columns.len().min(start + BLOCK);
+            if rest.first_chunk().map_or_else(|| rest.is_sorted(), sorted) {
                 continue;
             }
             for i in start..end {

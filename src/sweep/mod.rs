@@ -167,8 +167,8 @@ impl<T: Copy> Edges<T> {
 /// Sorts chains by first scanline, then column: spread in place over buckets of some scanlines each, as in section 2.1.2, and in each compared.
 fn sort<T: Copy>(chains: &mut [Chain<T>]) {
     let rows = chains.iter().fold(0, |rows, chain| rows.max(chain.first)) as usize + 1;
-    // About eight chains a bucket, if they are evenly spread, and a power of two of scanlines.
-    let shift = rows.checked_div(chains.len() / 8).map_or(usize::BITS, |some| some.max(1).ilog2());
+    // About two chains a bucket, if they are evenly spread, and a power of two of scanlines.
+    let shift = rows.checked_div(chains.len() / 2).map_or(usize::BITS, |some| some.max(1).ilog2());
     let bucket = |chain: &Chain<T>| (chain.first as usize).checked_shr(shift).unwrap_or(0);
     let mut ends = vec![0; rows.checked_shr(shift).unwrap_or(0) + 1];
     chains.iter().for_each(|chain| ends[bucket(chain)] += 1);

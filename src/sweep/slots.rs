@@ -7,7 +7,7 @@
 use super::{Chain, Edge, Edges};
 use crate::line;
 
-/// What is rarely looked at of an active chain.
+/// What is looked at of an active chain only when its edge ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Active {
     /// Index of the edge behind its edge, and behind the last of its chain.
@@ -15,13 +15,23 @@ pub(super) struct Active {
     end: u32,
     /// The scanline on which its edge became active.
     renewed: u32,
+    /// The scanline behind the last of the edge; [`NEVER`] if the chain has ended or the slot is free.
+    pub(super) until: u32,
+    /// The next slot that waits for the same scanline.
+    next_due: u32,
 }
 
 /// Behind every page.
-pub(super) const NEVER: i32 = i32::MAX;
+pub(super) const NEVER: u32 = u32::MAX;
 
-/// Scanlines to a turn; a power of two.
+/// Scanlines to a turn.
 const TURN: u32 = 256;
+
+/// Which scanline of its turn this is.
+#[inline]
+fn in_turn(row: u32) -> usize {
+    (row % TURN) as usize
+}
 
 /// No slot.
 const NONE: u32 = u32::MAX;
@@ -32,14 +42,11 @@ pub(super) struct Slots<T> {
     /// Positions and steps of [`line::Line::parts`]; a free slot has step 0.
     pub(super) at: Vec<u64>,
     pub(super) steps: Vec<u64>,
-    /// The scanline behind the last of the edge; [`NEVER`] if the chain has ended or the slot is free.
-    pub(super) until: Vec<i32>,
     pub(super) actives: Vec<Active>,
     pub(super) tags: Vec<T>,
     pub(super) free: Vec<u32>,
-    /// For every scanline of the turn the first slot whose edge ends above it; by slot the next of them.
-    due: Vec<u32>,
-    next_due: Vec<u32>,
+    /// For every scanline of the turn the first slot whose edge ends above it.
+    due: Box<[u32; TURN as usize]>,
     /// The scanline behind the turn.
     turn: u32,
     /// Slots whose chains ended on this scanline, with their columns on the one above. They are free from the next on.
@@ -53,14 +60,12 @@ impl<T: Copy> Slots<T> {
         Slots {
             at: Vec::new(),
             steps: Vec::new(),
-            until: Vec::new(),
             actives: Vec::new(),
             tags: Vec::new(),
             free: Vec::new(),
             ended: Vec::new(),
             moving: 0,
-            due: vec![NONE; TURN as usize],
-            next_due: Vec::new(),
+            due: Box::new([NONE; TURN as usize]),
             turn: 0,
         }
     }
@@ -100,25 +105,27 @@ impl<T: Copy> Slots<T> {
     }
 
     /// Puts a slot to those that wait for a scanline of this turn.
+    #[inline]
     fn wait(&mut self, slot: usize) {
-        let until = self.until[slot] as u32;
-        if until < self.turn {
-            self.next_due[slot] = std::mem::replace(&mut self.due[(until % TURN) as usize], slot as u32);
+        let Active { until, next_due, .. } = &mut self.actives[slot];
+        if *until < self.turn {
+            *next_due = std::mem::replace(&mut self.due[in_turn(*until)], slot as u32);
         }
     }
 
     /// The first scanline below `y` at which an active edge has ended.
     pub(super) fn leave(&self, y: u32) -> u32 {
-        let soon = (y + 1..self.turn).find(|row| self.due[(row % TURN) as usize] != NONE);
-        soon.unwrap_or_else(|| self.until.iter().fold(NEVER, |leave, &until| if until < leave { until } else { leave }) as u32)
+        let soon = (y + 1..self.turn).find(|&row| self.due[in_turn(row)] != NONE);
+        soon.unwrap_or_else(|| self.actives.iter().fold(NEVER, |leave, active| leave.min(active.until)))
     }
 
     /// Puts the next edges of their chains in the place of those that have ended, and notes the chains that have. True if an edge was replaced.
+    #[inline]
     pub(super) fn replace(&mut self, edges: &Edges<T>, y: u32) -> bool {
         let mut replaced = false;
-        let mut slot = std::mem::replace(&mut self.due[(y % TURN) as usize], NONE);
+        let mut slot = std::mem::replace(&mut self.due[in_turn(y)], NONE);
         while slot != NONE {
-            let next = self.next_due[slot as usize];
+            let next = self.actives[slot as usize].next_due;
             replaced |= self.renew(edges, slot as usize, y);
             slot = next;
         }
@@ -129,19 +136,20 @@ impl<T: Copy> Slots<T> {
     fn renew(&mut self, edges: &Edges<T>, slot: usize, y: u32) -> bool {
         let active = &mut self.actives[slot];
         let (at, step) = (&mut self.at[slot], &mut self.steps[slot]);
-        self.moving -= usize::from(*step != 0);
+        let moved = *step != 0;
         if active.next == active.end {
-            self.until[slot] = NEVER;
+            self.moving -= usize::from(moved);
+            active.until = NEVER;
             self.ended.push((slot as u32, line::column(at.wrapping_sub(*step))));
             *step = 0;
             return false;
         }
         let Edge { last, line } = edges.edges[active.next as usize];
+        (*at, *step) = line.parts();
+        self.moving = self.moving + usize::from(*step != 0) - usize::from(moved);
         active.next += 1;
         active.renewed = y;
-        self.until[slot] = last as i32;
-        (*at, *step) = line.parts();
-        self.moving += usize::from(*step != 0);
+        active.until = last;
         self.wait(slot);
         true
     }
@@ -149,42 +157,39 @@ impl<T: Copy> Slots<T> {
     /// Gives a chain a slot, with the edge that it has on scanline `y`.
     pub(super) fn occupy(&mut self, edges: &Edges<T>, chain: &Chain<T>, y: u32) -> u32 {
         let (Edge { last: until, line }, next) = edges.edge_at(chain, y);
-        let ((at, step), active) = (line.parts(), Active { next, end: chain.end, renewed: y });
+        let ((at, step), active) = (line.parts(), Active { next, end: chain.end, renewed: y, until, next_due: NONE });
         debug_assert!(until > y);
         self.moving += usize::from(step != 0);
-        if let Some(slot) = self.free.pop() {
+        let slot = if let Some(slot) = self.free.pop() {
             let i = slot as usize;
-            (self.at[i], self.steps[i], self.until[i], self.actives[i], self.tags[i]) = (at, step, until as i32, active, chain.tag);
-            self.wait(i);
-            return slot;
-        }
-        self.at.push(at);
-        self.steps.push(step);
-        self.until.push(until as i32);
-        self.actives.push(active);
-        self.tags.push(chain.tag);
-        self.next_due.push(NONE);
-        self.wait(self.len() - 1);
-        self.len() as u32 - 1
+            (self.at[i], self.steps[i], self.actives[i], self.tags[i]) = (at, step, active, chain.tag);
+            slot
+        } else {
+            self.at.push(at);
+            self.steps.push(step);
+            self.actives.push(active);
+            self.tags.push(chain.tag);
+            self.len() as u32 - 1
+        };
+        self.wait(slot as usize);
+        slot
     }
 
     /// Gives the active slots new numbers, in that order; no free ones are left.
     pub(super) fn renumber(&mut self, order: &[usize]) {
         self.at = order.iter().map(|&slot| self.at[slot]).collect();
         self.steps = order.iter().map(|&slot| self.steps[slot]).collect();
-        self.until = order.iter().map(|&slot| self.until[slot]).collect();
         self.actives = order.iter().map(|&slot| self.actives[slot]).collect();
         self.tags = order.iter().map(|&slot| self.tags[slot]).collect();
         self.free.clear();
         self.ended.clear();
-        self.next_due.truncate(order.len());
         self.due.fill(NONE);
         (0..self.len()).for_each(|slot| self.wait(slot));
     }
 
     /// Whether the chain in a slot has ended, on this scanline or before.
     pub(super) fn has_ended(&self, slot: usize) -> bool {
-        self.until[slot] == NEVER
+        self.actives[slot].until == NEVER
     }
 
     /// Lays the slots that are not active in a column, that behind the page's last, where they change nothing.

@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use super::super::{Job, Options, distinct_inks};
+use super::super::{Job, Options, distinct_inks, program};
 use super::{Step, Vertex};
 use crate::count::Rule;
 use crate::edge::{Builder, Side};
 use crate::error::{Error, Kind, Result};
-use crate::scene::{self, Gate, Layer, Scene};
+use crate::scene::{Gate, Layer, Scene};
 use crate::sweep::Sweep;
 
 /// Most crossings, and changes of counts, on the line that is walked.
@@ -45,7 +45,7 @@ impl<'s> Walk<'s> {
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let page = options.size.page(scene.width, scene.height)?;
         let page_alone = Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
-        let (program, leaf_of) = scene::compile(&scene.formula, &scene.shapes, &outputs, |shape| page_alone.holds_page(shape));
+        let (program, leaf_of) = program(scene, &outputs, &page_alone);
         let rule_of: HashMap<usize, Rule> = leaf_of.iter().map(|&(shape, leaf)| (shape, program.rule(leaf))).collect();
         let gates = scene.formula.gates();
         // Inputs first, without recursion. A shape that several gates stand for is one node.

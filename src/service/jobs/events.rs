@@ -3,14 +3,14 @@
 use std::convert::Infallible;
 use std::time::Duration;
 
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use futures_util::Stream;
 use futures_util::stream;
 
 use super::super::Service;
 use super::super::problem::{Details, Problem};
-use super::{Phase, View};
+use super::{Id, Phase};
 
 /// Events follow each other at this distance at least.
 const DISTANCE: Duration = Duration::from_millis(200);
@@ -28,15 +28,12 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
     tag = "jobs",
     params(("id" = String, Path, description = "The job's id")),
     responses(
-        (status = 200, description = "Events", body = View, content_type = "text/event-stream"),
+        (status = 200, description = "Events", body = String, content_type = "text/event-stream"),
         (status = 404, description = "There is no such job", body = Details, content_type = "application/problem+json"),
         (status = 503, description = "Too many are followed", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn events(
-    State(service): State<Service>,
-    Path(id): Path<String>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+pub async fn events(State(service): State<Service>, Id(id): Id) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
     let live = service.jobs.find(&id)?;
     let full = || Problem::busy("events", "too many event streams are open: try again later", 5);
     let place = service.events.clone().try_acquire_owned().map_err(|_| full())?;

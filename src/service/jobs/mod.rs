@@ -23,8 +23,9 @@ use std::time::Duration;
 use axum::Json;
 use axum::body::Body;
 use axum::extract::rejection::QueryRejection;
-use axum::extract::{Path, Query, State};
+use axum::extract::{FromRequestParts, Path, Query, State};
 use axum::http::header::LOCATION;
+use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
@@ -230,7 +231,9 @@ impl Live {
     /// Its drawing, prepared.
     async fn drawing(&self, service: &Service) -> Result<Shared, Problem> {
         let path = service.jobs.store.document(&self.id);
-        service.drawings.get(self.key, self.params.options()?, Box::new(move || std::fs::read(path))).await
+        let drawing = service.drawings.get(self.key, self.params.options()?, Box::new(move || std::fs::read(path))).await;
+        // Its document may have been deleted in between.
+        drawing.map_err(|problem| service.jobs.find(&self.id).err().unwrap_or(problem))
     }
 
     /// A reader comes.
@@ -374,8 +377,15 @@ impl Jobs {
     }
 
     /// Stores a job. If the client's key has one already, that one is given.
-    fn accept(&self, live: Live, document: &[u8]) -> Result<(Arc<Live>, bool), Problem> {
+    fn accept(&self, config: &Config, live: Live, document: &[u8]) -> Result<(Arc<Live>, bool), Problem> {
         let live = Arc::new(live);
+        // What is there already takes no room: looked up before others are forgotten for it.
+        let known = live.idempotency_key.as_deref().map(|key| self.store.job_of(key)).transpose();
+        let known = known.map_err(|error| Problem::storing(&error))?.flatten().and_then(|id| self.find(&id).ok());
+        if let Some(known) = known {
+            return Ok((known, true));
+        }
+        self.clean(config, live.size.max(1))?;
         self.store.write_document(&live.id, document).map_err(|error| Problem::storing(&error))?;
         // Others see a key in the store and its job here at the same time.
         let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
@@ -399,8 +409,8 @@ impl Jobs {
         self.store.remove(&live.id)?;
         all.remove(&live.id);
         meters::level("runset_jobs", all.len());
-        drop(all);
         live.deleted.store(true, Ordering::Relaxed);
+        drop(all);
         live.change(|now| Live::enter(now, Phase::Cancelled));
         Ok(())
     }
@@ -474,6 +484,7 @@ pub async fn keep(service: Service) {
         let service = service.clone();
         let work = tokio::task::spawn_blocking(move || {
             service.jobs.save();
+            meters::gather();
             if second.is_multiple_of(60) {
                 // A store that is full all the same is told to the next who wants to add to it.
                 let _ = service.jobs.clean(&service.config, 0);
@@ -516,6 +527,7 @@ pub async fn measure(service: Service) {
 async fn measure_one(service: &Service, live: &Arc<Live>) {
     let drawing = match live.drawing(service).await {
         Ok(drawing) => drawing,
+        Err(_) if live.deleted.load(Ordering::Relaxed) => return,
         Err(problem) if problem.is_passing() => return tokio::time::sleep(Duration::from_secs(1)).await,
         Err(problem) => return live.fail(problem.detail()),
     };
@@ -632,8 +644,7 @@ pub async fn create(State(service): State<Service>, params: Params, headers: Hea
     let tag = fill::tag(&key, &service.config.fonts, format);
     let record = Record { view, params, key, size: document.bytes.len() as u64, tag, idempotency_key, used: now };
     let accepted = tokio::task::spawn_blocking(move || {
-        service.jobs.clean(&service.config, record.size.max(1))?;
-        service.jobs.accept(Live::new(record, format, Trail::default()), &document.bytes)
+        service.jobs.accept(&service.config, Live::new(record, format, Trail::default()), &document.bytes)
     });
     let (live, replayed) = accepted.await.map_err(Problem::internal)??;
     if replayed && (live.key, live.format.name) != (key, format.name) {
@@ -656,6 +667,18 @@ fn idempotency_key(value: &HeaderValue) -> Result<String, Problem> {
     key.ok_or_else(|| Problem::malformed("Idempotency-Key: give 1 to 255 visible ASCII characters"))
 }
 
+/// A job's id in an address.
+pub struct Id(pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for Id {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Id, Problem> {
+        // What is no text names no job.
+        Path::from_request_parts(parts, state).await.map(|Path(id)| Id(id)).map_err(|_| Problem::no_job())
+    }
+}
+
 /// A job
 #[utoipa::path(
     get,
@@ -667,7 +690,7 @@ fn idempotency_key(value: &HeaderValue) -> Result<String, Problem> {
         (status = 404, description = "There is none", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn show(State(service): State<Service>, Path(id): Path<String>) -> Result<Json<View>, Problem> {
+pub async fn show(State(service): State<Service>, Id(id): Id) -> Result<Json<View>, Problem> {
     Ok(Json(service.jobs.find(&id)?.view()))
 }
 
@@ -684,7 +707,7 @@ pub async fn show(State(service): State<Service>, Path(id): Path<String>) -> Res
         (status = 404, description = "There is none", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete(State(service): State<Service>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete(State(service): State<Service>, Id(id): Id) -> Result<StatusCode, Problem> {
     let live = service.jobs.find(&id)?;
     let forgotten = tokio::task::spawn_blocking(move || service.jobs.forget(&live)).await.map_err(Problem::internal)?;
     forgotten.map_err(|error| Problem::storing(&error))?;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use axum::Extension;
 use axum::body::Body;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::header::{
     ACCEPT_RANGES, CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, IF_MATCH, IF_NONE_MATCH, IF_RANGE, RANGE,
 };
@@ -26,7 +26,7 @@ use super::super::params::content_type;
 use super::super::problem::{Details, Problem};
 use super::super::raster::Raster;
 use super::super::{Service, meters};
-use super::{Live, Phase};
+use super::{Id, Live, Phase};
 use crate::encode::Format;
 use crate::job::{Checkpoint, Job, Stream};
 
@@ -65,7 +65,7 @@ enum Wanted {
 )]
 pub async fn read(
     State(service): State<Service>,
-    Path(id): Path<String>,
+    Id(id): Id,
     connection: Option<Extension<Arc<Connection>>>,
     Extension(Started(started)): Extension<Started>,
     headers: HeaderMap,
@@ -106,9 +106,14 @@ pub async fn read(
     params(("id" = String, Path, description = "The job's id")),
     responses((status = 200, description = "Its type, tag, and length if that is known"), (status = 404, description = "There is no such job"))
 )]
-pub async fn head(State(service): State<Service>, Path(id): Path<String>, headers: HeaderMap) -> Result<Response, Problem> {
+pub async fn head(State(service): State<Service>, Id(id): Id, headers: HeaderMap) -> Result<Response, Problem> {
     let live = service.jobs.find(&id)?;
-    Ok(about(&live, &headers)?.unwrap_or_else(|unchanged| unchanged))
+    let mut response = about(&live, &headers)?.unwrap_or_else(|unchanged| unchanged);
+    if !response.headers().contains_key(CONTENT_LENGTH) {
+        // An empty body would tell a length of 0.
+        *response.body_mut() = Body::from_stream(futures_util::stream::empty::<Result<axum::body::Bytes, std::convert::Infallible>>());
+    }
+    Ok(response)
 }
 
 /// An answer without its body, or that nothing has changed.
@@ -148,8 +153,7 @@ fn etag(live: &Live) -> ETag {
 fn wanted(live: &Live, headers: &HeaderMap, length: Option<u64>) -> Result<Wanted, Problem> {
     let Some(range) = headers.get(RANGE).and_then(|range| range.to_str().ok()) else { return Ok(Wanted::All) };
     // Dates say nothing here: a tag that is another, or none, means the whole.
-    if headers.contains_key(IF_RANGE)
-        && !headers.typed_get::<IfRange>().is_some_and(|if_range| !if_range.is_modified(Some(&etag(live)), None))
+    if headers.contains_key(IF_RANGE) && headers.typed_get::<IfRange>().is_none_or(|if_range| if_range.is_modified(Some(&etag(live)), None))
     {
         return Ok(Wanted::All);
     }

@@ -45,7 +45,7 @@ impl Store {
     /// It cannot be written; another service uses it; it was made by a later version.
     pub fn open(folder: &Path) -> io::Result<Store> {
         let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", folder.display()));
-        fs::create_dir_all(folder.join("documents")).map_err(at)?;
+        fs::create_dir_all(folder.join("documents")).and_then(|()| File::open(folder)?.sync_all()).map_err(at)?;
         let path = folder.join("jobs.sqlite");
         let rows = Connection::open(&path).and_then(|rows| {
             rows.pragma_update(None, "locking_mode", "EXCLUSIVE")?;
@@ -64,7 +64,9 @@ impl Store {
         if layout > LAYOUT {
             return Err(at(io::Error::other("the jobs here were stored by a later version of this program")));
         }
-        rows.pragma_update(None, "user_version", LAYOUT).map_err(fault)?;
+        if layout < LAYOUT {
+            rows.pragma_update(None, "user_version", LAYOUT).map_err(fault)?;
+        }
         let store = Store { folder: folder.to_owned(), rows: Mutex::new(rows) };
         store.sweep().map_err(at)?;
         Ok(store)
@@ -126,6 +128,15 @@ impl Store {
         })
     }
 
+    /// The job of a client's key.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn job_of(&self, key: &str) -> io::Result<Option<String>> {
+        let rows = self.rows();
+        rows.query_row("SELECT id FROM jobs WHERE key = ?1", [key], |row| row.get(0)).optional().map_err(fault)
+    }
+
     /// Adds a job whose document is there. If its key has a job already, that job's id is given, and nothing is added.
     ///
     /// # Errors
@@ -184,6 +195,11 @@ impl Store {
 
 /// SQLite's fault as one of the system's.
 fn fault(error: rusqlite::Error) -> io::Error {
+    // Only the want of room on the disk itself is told as that; past a quota or a limit of a file's size a write fails.
+    const WRITE: i32 = rusqlite::ffi::SQLITE_IOERR_WRITE;
+    if error.sqlite_error().is_some_and(|fault| fault.extended_code == WRITE) {
+        return io::Error::new(io::ErrorKind::StorageFull, error);
+    }
     match error.sqlite_error_code() {
         Some(ErrorCode::DiskFull) => io::Error::from(io::ErrorKind::StorageFull),
         Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => {

@@ -1,0 +1,93 @@
+//! Models of solids: which reader a document needs, and what is told of its tree.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::{csg, stl};
+use crate::error::{Error, Kind, Place, Result, Warning};
+use crate::mesh::{IDENTITY, Model, Part};
+use crate::scene::{Formula, Limits};
+
+/// How a model is read.
+#[derive(Clone, Debug, Default)]
+pub struct ModelOptions {
+    /// Limits.
+    pub limits: Limits,
+    /// Where files are that the document imports; without it, imports are left out with a warning that says [`Warning::outside`].
+    pub folder: Option<PathBuf>,
+}
+
+/// A statement of a model's document.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listed {
+    /// Its module: `union`, `cube`.
+    pub kind: &'static str,
+    /// Where it begins.
+    pub place: Option<Place>,
+    /// How many statements it stands in.
+    pub depth: u32,
+    /// Which part of the model it is, if it is one.
+    pub part: Option<u32>,
+}
+
+/// A model with its document's tree.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// The model.
+    pub model: Model,
+    /// The statements that count, in document order. What is marked as background or disabled is not among them.
+    pub tree: Vec<Listed>,
+}
+
+/// Whether a document is a model's, by how it begins: a `.csg` or an STL, not a drawing.
+pub fn is_model(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let statement = matches!(start, [b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'%' | b'#' | b'!' | b'*' | b'/', ..]);
+    stl::is_binary(bytes) || statement && !start.starts_with(b"RUNSET") && !start.starts_with(b"%PDF")
+}
+
+/// Reads a model: [`read_tree`] without the tree.
+///
+/// # Errors
+/// Those of [`read_tree`].
+pub fn read_model(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warning>) -> Result<Model> {
+    read_tree(bytes, options, warnings).map(|reading| reading.model)
+}
+
+/// Reads a model, whose kind is told by its bytes: an STL, binary or text, which is one part, or an OpenSCAD `.csg`.
+///
+/// # Errors
+/// With its place where there is one: the document is not what it should be, or past a limit. `warnings` receives what is left out or ignored.
+pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warning>) -> Result<Reading> {
+    let limits = &options.limits;
+    if bytes.len() as u64 > limits.input {
+        return Err(Error::input(Kind::Limit, format!("the model is larger than {} bytes: raise --max-input", limits.input)));
+    }
+    if stl::is_binary(bytes) || stl::is_text(bytes) {
+        let mesh = stl::read(bytes, limits)?;
+        let mut formula = Formula::default();
+        let area = formula.shape(0);
+        let place = None;
+        let part = Part { mesh: mesh.into(), matrix: IDENTITY, color: None, kind: "mesh", place };
+        let tree = vec![Listed { kind: "mesh", place, depth: 0, part: Some(0) }];
+        return Ok(Reading { model: Model { parts: vec![part], formula, area }, tree });
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match text.trim_ascii_start() {
+        [] => Err(Error::input(Kind::Malformed, "the input is empty: expected an OpenSCAD .csg or an STL")),
+        [b'{' | b'<', ..] => Err(Error::input(Kind::Malformed, "this is a drawing, not a model: expected an OpenSCAD .csg or an STL")),
+        _ => csg::read(text, limits, options.folder.as_deref(), warnings),
+    }
+}
+
+/// A file's bytes; past the limit, one more than the limit.
+pub(super) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    if !file.metadata()?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}

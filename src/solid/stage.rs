@@ -1,0 +1,163 @@
+//! A body in a view: edges as columns, planes as depths.
+//!
+//! An edge takes its columns from its line, and the scanlines that it meets from its ends, so edges on one line in space never part on the screen. A line is
+//! a position on scanline 0 and a step, in units of 2^-43 px, and columns are what these integers say; depths are integers too. So all that is decided behind this
+//! floor is exact, and the doubles in front of it are off by some 2^-30 px: much less than the hair by which pixels are looked at beside their centres.
+
+// Corners rounded to 1/256 px, as those of plane shapes are, would move edges by up to 1/512 px against the depths of the faces that meet there: a face beside
+// the edge could then be nearer than the one that hides it, in single pixels along edges that lie in a face of another part.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::body::{Body, NOTHING};
+use super::cut::cut;
+use super::view::{Depth, Projection, SAMPLE, View};
+use crate::count::{Node, Program};
+use crate::line::{FRACTION, Line};
+use crate::sweep::{Edge, Edges};
+
+pub use super::body::Plane;
+
+/// What happens where a scanline crosses an edge from left to right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// The face whose turns grow by `turns`.
+    pub left: u32,
+    /// The face whose turns shrink by as much, or none ([`u32::MAX`]).
+    pub right: u32,
+    /// 1 or -1.
+    pub turns: i32,
+}
+
+/// A face of the stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// Index into [`Stage::depths`].
+    pub plane: u32,
+    /// The counter of its part.
+    pub leaf: Node,
+    /// Its part.
+    pub part: u32,
+    /// Which face is shown of several that are equally near, and whose parts make the difference: that with the least.
+    pub rank: u32,
+}
+
+/// A model as it is seen from somewhere, ready to be swept.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The view.
+    pub view: View,
+    /// Edges of the surfaces.
+    pub edges: Edges<Crossing>,
+    /// Faces.
+    pub faces: Vec<Face>,
+    /// Depths of the planes.
+    pub depths: Vec<Depth>,
+    /// Normals of the planes.
+    pub planes: Vec<Plane>,
+    /// Counts which parts a point is in, and tells whether it is in the model (output 0).
+    pub program: Program,
+    /// Greatest distance along the view, for [`View::distance`].
+    pub farthest: f64,
+}
+
+impl Stage {
+    /// `body` in a view, cut by planes that keep what is before them. `leaves` are the counters of parts; other parts are not needed.
+    pub fn new(mut body: Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane]) -> Stage {
+        let mut leaf_of = vec![NOTHING; body.ranks.len()];
+        leaves.iter().for_each(|&(part, leaf)| leaf_of[part] = leaf);
+        sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
+        let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
+
+        let rows: Vec<u32> = body.points.iter().map(|p| row(view.screen(*p)[1], view.height)).collect();
+        let lines: Vec<Sloping> = body.lines.iter().map(|line| Sloping::new(view.passes(line))).collect();
+        let needed = |face: u32| face != NOTHING && leaf_of[body.faces[face as usize].part as usize] != NOTHING;
+
+        let mut edges = Edges::default();
+        let mut pieces = Vec::new();
+        let mut inside: Vec<u32> = vec![NOTHING; body.planes.len()];
+        for edge in &body.edges {
+            for face in [edge.left, edge.right].into_iter().filter(|face| *face != NOTHING) {
+                inside[body.faces[face as usize].plane as usize] = edge.from;
+            }
+            let [from, to] = [edge.from, edge.to].map(|p| rows[p as usize]);
+            if from == to || !needed(edge.left) {
+                continue;
+            }
+            let turns = if from < to { 1 } else { -1 };
+            let across = from.min(to)..from.max(to);
+            let first = across.start;
+            lines[edge.line as usize].edges(across, view.width, &mut pieces);
+            if pieces.iter().any(|piece| !piece.line.is_vertical() || piece.line.column() < view.width) {
+                edges.add(first, pieces.drain(..), Crossing { left: edge.left, right: edge.right, turns });
+            }
+            pieces.clear();
+        }
+        let depth = |(plane, p): (&Plane, &u32)| view.depth(plane, body.points.get(*p as usize).copied().unwrap_or(DVec3::ZERO), farthest);
+        let depths = body.planes.iter().zip(&inside).map(depth).collect();
+        let faces = body.faces.iter().map(|face| {
+            let part = face.part as usize;
+            Face { plane: face.plane, leaf: leaf_of[part], part: face.part, rank: body.ranks[part] }
+        });
+        Stage { view, edges: edges.finish(), faces: faces.collect(), depths, planes: body.planes, program, farthest }
+    }
+
+    /// Whether the normal of a plane points to the eye.
+    pub fn is_toward(&self, plane: u32) -> bool {
+        let Plane { normal, offset } = self.planes[plane as usize];
+        match self.view.projection {
+            Projection::Perspective { .. } => normal.dot(self.view.eye) > offset,
+            Projection::Orthographic { .. } => normal.dot(self.view.axes[2]) < 0.0,
+        }
+    }
+}
+
+/// The first scanline that is looked at below a height, in pixels.
+fn row(height: f64, rows: u32) -> u32 {
+    (height - SAMPLE[1]).ceil().clamp(0.0, rows.into()) as u32
+}
+
+/// A line on the screen, in units of 2^-43 px: where it passes scanline 0, right of where pixel 0 is looked at, and its step from one scanline to the next.
+#[derive(Clone, Copy)]
+struct Sloping {
+    at: i128,
+    step: i128,
+}
+
+impl Sloping {
+    fn new((at, slope): (f64, f64)) -> Sloping {
+        // Level lines pass no scanline but by rounding, and then anywhere. What is far beyond any page stays there.
+        let fixed = |x: f64| (x.clamp(-1e18, 1e18) * ONE).round() as i128;
+        Sloping { at: fixed(at), step: fixed(slope) }
+    }
+
+    /// Its column on a scanline: that of the first pixel that is looked at on it or right of it.
+    fn at(self, row: u32) -> i128 {
+        // As in [`Line`]: what is right of a pixel belongs to the next.
+        self.at + self.step * i128::from(row) + (1 << FRACTION) - 1
+    }
+
+    /// Appends the edges that it makes on `rows`, with columns within the page.
+    fn edges(self, rows: Range<u32>, width: u32, edges: &mut Vec<Edge>) {
+        let side = |row: u32| (self.at(row) >> FRACTION).clamp(0, i128::from(width));
+        let mut start = rows.start;
+        while start < rows.end {
+            let here = side(start);
+            let outside = |side: i128| side == 0 || side == i128::from(width);
+            // It leaves a side once: find where.
+            let (mut same, mut past) = (start, rows.end);
+            while past - same > 1 {
+                let middle = same + (past - same) / 2;
+                let alike = if outside(here) { side(middle) == here } else { !outside(side(middle)) };
+                if alike { same = middle } else { past = middle }
+            }
+            let line = if outside(here) { Line::vertical(here as u32) } else { Line::of_parts(self.at(start) as u64, self.step as u64) };
+            edges.push(Edge { last: past, line });
+            start = past;
+        }
+    }
+}
+
+const ONE: f64 = (1_u64 << FRACTION) as f64;
