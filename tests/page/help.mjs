@@ -106,20 +106,28 @@ export function compare(shown, expected, left, top, skip = () => false) {
   return { compared, different };
 }
 
-/** The processes of the browser that show pages, and the proportional set size of each in MB. */
-export function renderers() {
-  const found = [];
-  for (const line of execFileSync("ps", ["-eo", "pid=,args="]).toString().split("\n")) {
-    const match = /^\s*(\d+) .*--type=renderer/.exec(line);
-    if (!match) continue;
+/**
+ * Memory of the browser in MB, as proportional set sizes: of the largest process that shows a page, and of all its processes together.
+ */
+export function memory() {
+  const found = new Map();
+  for (const line of execFileSync("ps", ["-eo", "pid=,ppid=,args="]).toString().split("\n")) {
+    const [, pid, parent, args] = /^\s*(\d+)\s+(\d+)\s(.*)/.exec(line) ?? [];
+    if (pid) found.set(Number(pid), { parent: Number(parent), args });
+  }
+  const ours = (pid) => pid === process.pid || (found.has(pid) && ours(found.get(pid).parent));
+  let [tab, all] = [0, 0];
+  for (const [pid, { args }] of found) {
+    if (!/chrom/.test(args) || !ours(pid)) continue;
     try {
-      const text = readFileSync(`/proc/${match[1]}/smaps_rollup`, "latin1");
-      found.push({ pid: Number(match[1]), mb: Number(/Pss:\s+(\d+)/.exec(text)[1]) / 1000 });
+      const mb = Number(/Pss:\s+(\d+)/.exec(readFileSync(`/proc/${pid}/smaps_rollup`, "latin1"))[1]) / 1000;
+      all += mb;
+      if (args.includes("--type=renderer")) tab = Math.max(tab, mb);
     } catch {
       // It has ended.
     }
   }
-  return found;
+  return { tab, all };
 }
 
 export const clean = () => rmSync(SCRATCH, { recursive: true, force: true });
