@@ -18,6 +18,7 @@ const PARTS: usize = 64;
 
 /// What `runset info` tells of a named area.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "serve", derive(utoipa::ToSchema))]
 pub struct Entry {
     /// The id.
     pub id: String,
@@ -37,6 +38,7 @@ pub struct Entry {
 
 /// What `runset info` tells of a document.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "serve", derive(utoipa::ToSchema))]
 pub struct Info {
     /// Width of the page in user units.
     pub width: f64,

@@ -9,6 +9,7 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod explain;
 mod extents;
 mod gather;
 mod info;
@@ -22,6 +23,7 @@ mod source;
 mod stream;
 
 pub use convert::convert;
+pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
 pub use model::{ModelEntry, ModelInfo, model_info};
 pub use size::{Size, lines};
@@ -35,13 +37,13 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::count::Rule;
+use crate::count::{Node, Program, Rule};
 use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::Counting;
 use crate::region::Picture;
 use crate::run::{BLACK, Header, Inks, MAX_INKS, Rgb};
-use crate::scene::{self, Expression, Layer, Limits, Scene};
+use crate::scene::{self, Area, Expression, Layer, Limits, Scene};
 use crate::shape::{FillRule, Shape};
 
 /// The default flattening tolerance, in pixels.
@@ -160,16 +162,12 @@ impl Job {
             let what = format!("the tolerance is {} px: give one from {} to {}", options.tolerance, TOLERANCES.start(), TOLERANCES.end());
             return Err(Error::parameter(what));
         }
-        let layers = match &options.expr {
-            Some(text) => {
-                let expression = Expression::parse(text, &options.limits)?;
-                vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
-            }
-            None => match &scene.picture {
-                scene::Picture::Region(area) => vec![Layer { area: *area, ink: BLACK }],
-                scene::Picture::Layers(layers) => layers.clone(),
-            },
-        };
+        let layers = layers(&mut scene, options, warnings)?;
+        Job::of(scene, &layers, options)
+    }
+
+    /// A picture of those layers.
+    fn of(scene: Scene, layers: &[Layer], options: &Options) -> Result<Job> {
         let page = options.size.page(scene.width, scene.height)?;
         let lines = options.lines.clone().unwrap_or(0..page.height);
         if lines.start >= lines.end || lines.end > page.height {
@@ -181,14 +179,8 @@ impl Job {
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
         let page_alone = builder();
-        // What covers the page holds from the start, and waits for no crossing.
-        let rule = |shape: usize| match &scene.shapes[shape] {
-            shape if page_alone.holds_page(shape) => Rule::AtLeast(0),
-            Shape { rule: FillRule::NonZero, .. } => Rule::NonZero,
-            Shape { rule: FillRule::EvenOdd, .. } => Rule::Odd,
-        };
-        let (program, leaves) = scene::compile(&scene.formula, scene.shapes.len(), &outputs, rule);
-        let (inks, ink_of_layer) = distinct_inks(&layers);
+        let (program, leaves) = program(&scene, &outputs, &page_alone);
+        let (inks, ink_of_layer) = distinct_inks(layers);
         if inks.len() > MAX_INKS {
             return Err(Error::input(Kind::Limit, format!("{} different inks, at most {MAX_INKS} are possible: use fewer", inks.len())));
         }
@@ -232,6 +224,31 @@ impl Job {
         let (lines, band) = (line..self.header.lines.end, self.band);
         (lines.start / band..lines.end.div_ceil(band)).map(move |i| (i * band).max(lines.start)..((i + 1) * band).min(lines.end))
     }
+}
+
+/// What is to be painted: the expression that is asked for, or the document's own picture.
+fn layers(scene: &mut Scene, options: &Options, warnings: &mut Vec<Warning>) -> Result<Vec<Layer>> {
+    Ok(match &options.expr {
+        Some(text) => {
+            let expression = Expression::parse(text, &options.limits)?;
+            vec![Layer { area: scene.resolve(&expression, warnings)?, ink: BLACK }]
+        }
+        None => match &scene.picture {
+            scene::Picture::Region(area) => vec![Layer { area: *area, ink: BLACK }],
+            scene::Picture::Layers(layers) => layers.clone(),
+        },
+    })
+}
+
+/// The counting program of areas on a page, and the shapes that it needs with their leaves.
+fn program(scene: &Scene, outputs: &[Area], page: &Builder) -> (Program, Vec<(usize, Node)>) {
+    // What covers the page holds from the start, and waits for no crossing.
+    let rule = |shape: usize| match &scene.shapes[shape] {
+        shape if page.holds_page(shape) => Rule::AtLeast(0),
+        Shape { rule: FillRule::NonZero, .. } => Rule::NonZero,
+        Shape { rule: FillRule::EvenOdd, .. } => Rule::Odd,
+    };
+    scene::compile(&scene.formula, scene.shapes.len(), outputs, rule)
 }
 
 /// About 64 bands a page, a power of two of lines each, so that the number of bands follows the page's shape and not its resolution.

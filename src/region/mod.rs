@@ -41,6 +41,11 @@ impl Picture {
         let start = State::new(&program, &inks);
         Picture { width, outlines, program, inks, counting, start }
     }
+
+    /// The edges that are swept.
+    pub fn outlines(&self) -> &Outlines {
+        &self.outlines
+    }
 }
 
 /// How crossings are counted. The rows do not depend on it.

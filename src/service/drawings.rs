@@ -8,7 +8,7 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Instant;
 
-use tokio::sync::{OnceCell, Semaphore};
+use tokio::sync::{OnceCell, OwnedSemaphorePermit, Semaphore};
 
 use super::config::Config;
 use super::meters;
@@ -16,6 +16,7 @@ use super::problem::Problem;
 use crate::error::{Error, Kind, Warning};
 use crate::input;
 use crate::job::{Job, Options};
+use crate::scene::Scene;
 
 /// What tells one prepared drawing from others: SHA-256 of the document and of all that is asked but its format.
 pub type Key = [u8; 32];
@@ -72,6 +73,23 @@ pub struct Shared {
     _cell: Arc<OnceCell<Arc<Drawing>>>,
 }
 
+/// A place among those who prepare, and one among those who wait for that.
+struct Places {
+    _waiting: OwnedSemaphorePermit,
+    _preparing: OwnedSemaphorePermit,
+}
+
+impl Places {
+    /// Works on another thread. It goes on when the client has gone, and counts until it ends.
+    async fn work<T: Send + 'static>(self, work: impl FnOnce() -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
+        let done = tokio::task::spawn_blocking(move || {
+            let _places = self;
+            work()
+        });
+        done.await.map_err(Problem::internal)?
+    }
+}
+
 impl Drawings {
     /// None yet.
     pub fn new(config: Arc<Config>) -> Drawings {
@@ -117,25 +135,31 @@ impl Drawings {
     }
 
     async fn prepare(&self, mut options: Options, source: Source) -> Result<Arc<Drawing>, Problem> {
-        let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
-        let place = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
-        let preparing = {
-            let _waits = meters::Waits::new("preparations");
-            self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?
-        };
+        let places = self.places().await?;
         if self.weight() > self.config.max_drawings {
             return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
         }
         let config = self.config.clone();
         options.limits = config.limits;
         options.started = Instant::now();
-        let made = tokio::task::spawn_blocking(move || {
-            // It goes on when the client has gone, and counts until it ends.
-            let _places = (place, preparing);
-            prepare(&config, &options, source)
-        });
-        let made = made.await;
-        made.map_err(Problem::internal)?.map(Arc::new)
+        places.work(move || prepare(&config, &options, source)).await.map(Arc::new)
+    }
+
+    /// Has something done with a document, when there is a place among those who prepare.
+    ///
+    /// # Errors
+    /// Those of the work; too many wait.
+    pub async fn work<T: Send + 'static>(&self, work: impl FnOnce(&Config) -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
+        let (places, config) = (self.places().await?, self.config.clone());
+        places.work(move || work(&config)).await
+    }
+
+    async fn places(&self) -> Result<Places, Problem> {
+        let busy = || Problem::busy("preparations", "too many drawings wait to be prepared: try again later", 2);
+        let _waiting = self.waiting.clone().try_acquire_owned().map_err(|_| busy())?;
+        let _waits = meters::Waits::new("preparations");
+        let _preparing = self.preparing.clone().acquire_owned().await.map_err(Problem::internal)?;
+        Ok(Places { _waiting, _preparing })
     }
 
     /// What all drawings weigh that are there.
@@ -178,6 +202,21 @@ impl Drawings {
     }
 }
 
+/// Reads a document that must be whole in itself.
+///
+/// # Errors
+/// What is wrong with it, or refused.
+pub fn read(config: &Config, bytes: Vec<u8>) -> Result<(Scene, Vec<Warning>), Problem> {
+    let mut warnings = Vec::new();
+    let scene = input::read_with(bytes, &config.limits, &config.fonts, &mut warnings)?;
+    if let Some(warning) = warnings.iter().find(|warning| warning.outside) {
+        let error =
+            Error { place: warning.place, ..Error::input(Kind::Refused, format!("{}: make the document whole in itself", warning.what)) };
+        return Err(error.into());
+    }
+    Ok((scene, warnings))
+}
+
 fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
     let bytes = source().map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => Problem::internal(format!("a document cannot be read: {error}")),
@@ -186,13 +225,7 @@ fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing
             Problem::busy("store", "the document cannot be read at the moment: try again later", 5)
         }
     })?;
-    let mut warnings = Vec::new();
-    let scene = input::read_with(bytes, &options.limits, &config.fonts, &mut warnings)?;
-    if let Some(warning) = warnings.iter().find(|warning| warning.outside) {
-        let error =
-            Error { place: warning.place, ..Error::input(Kind::Refused, format!("{}: make the document whole in itself", warning.what)) };
-        return Err(error.into());
-    }
+    let (scene, mut warnings) = read(config, bytes)?;
     let job = Job::prepare(scene, options, &mut warnings)?;
     let header = job.header();
     let pixels = u64::from(header.width) * u64::from(header.height());

@@ -6,6 +6,8 @@
 //!   params      the query                          intake       the body
 //!   drawings    documents, prepared once           raster       a suspended sweep as a body
 //!   fill        POST /v1/fill                      jobs         stored, resumable at any byte
+//!   inspect     names of a drawing, how its lines come about
+//!   page        what a browser shows at /
 //!   about       health, metrics, OpenAPI
 //! ```
 //!
@@ -19,10 +21,12 @@ mod config;
 mod connection;
 mod drawings;
 mod fill;
+mod inspect;
 mod intake;
 #[allow(unused_qualifications, reason = "the macro that describes handlers writes them")]
 mod jobs;
 mod meters;
+mod page;
 mod params;
 mod problem;
 mod raster;
@@ -102,6 +106,8 @@ impl Service {
 pub fn app(service: &Service) -> Router {
     let (router, api) = OpenApiRouter::with_openapi(about::api())
         .routes(routes!(fill::fill))
+        .routes(routes!(inspect::info))
+        .routes(routes!(inspect::explain))
         .routes(routes!(jobs::list, jobs::create))
         .routes(routes!(jobs::show, jobs::delete))
         .routes(routes!(jobs::raster::read, jobs::raster::head))
@@ -114,6 +120,7 @@ pub fn app(service: &Service) -> Router {
     let described = axum::routing::get(move || about::openapi(description.clone()));
     let app = router
         .route("/openapi.json", described)
+        .merge(page::routes())
         .fallback(|| async { Problem::new(StatusCode::NOT_FOUND, "not-found", "there is nothing here: see /openapi.json") })
         .method_not_allowed_fallback(|| async {
             Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "this method is not for this address: see /openapi.json")

@@ -1,0 +1,133 @@
+// What the tests of the page share: a service, a browser, rasters from the command line.
+
+import { spawn, execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+export const ROOT = fileURLToPath(new URL("../..", import.meta.url));
+export const RUNSET = process.env.RUNSET_RELEASE ?? join(ROOT, "target/release/runset");
+export const SCRATCH = mkdtempSync(join(tmpdir(), "runset-page-"));
+
+const FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync"];
+
+/** Starts a service on a free port; gives its address and what ends it. */
+export async function serve(env = {}) {
+  const data = mkdtempSync(join(SCRATCH, "data-"));
+  const child = spawn(RUNSET, ["serve", "--addr", "127.0.0.1:0", "--data", data, "--log", "warn"], { env: { ...process.env, ...env }, stdio: ["ignore", "ignore", "pipe"] });
+  let said = "";
+  const address = await new Promise((found, failed) => {
+    child.stderr.on("data", (text) => {
+      said += text;
+      const match = /listening on (http:\/\/[\d.:]+)/.exec(said);
+      if (match) found(match[1]);
+    });
+    child.on("exit", () => failed(new Error(`the service ended: ${said}`)));
+  });
+  const end = async (signal = "SIGTERM") => {
+    if (child.exitCode !== null || child.signalCode !== null) return;
+    const ended = new Promise((ended) => child.on("exit", ended));
+    child.kill(signal);
+    // Streams that are under way are given time; the tests have none.
+    const impatient = setTimeout(() => child.kill("SIGKILL"), 3000);
+    await ended;
+    clearTimeout(impatient);
+  };
+  return { address, end };
+}
+
+export const browser = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+
+/**
+ * A tab that notes all that goes wrong in it. `allow` are patterns of what may.
+ */
+export async function tab(browser, address, { width = 1280, height = 860, scheme = "light", hash = "", allow = [] } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
+  const page = await context.newPage();
+  const wrong = [];
+  // The tests read the canvas, the page does not.
+  page.allow = [/willReadFrequently/, ...allow];
+  const note = (what) => void (page.allow.some((pattern) => pattern.test(what)) || wrong.push(what));
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && note(`${message.type()}: ${message.text()} ${message.location().url}`));
+  page.on("pageerror", (error) => note(String(error)));
+  // What the page itself breaks off is no failure.
+  page.on("requestfailed", (request) => request.failure()?.errorText !== "net::ERR_ABORTED" && note(`failed: ${request.url()}`));
+  page.on("response", (response) => response.status() >= 400 && note(`${response.status()} ${response.url()}`));
+  page.on("request", (request) => !request.url().startsWith(address) && !request.url().startsWith("blob:") && note(`from elsewhere: ${request.url()}`));
+  await page.goto(`${address}/${hash}`);
+  return { page, wrong, close: () => context.close() };
+}
+
+/** Waits until a raster has been drawn to its end since `act`. */
+export async function drawn(page, act) {
+  const before = Number((await page.getAttribute("#canvas", "data-done")) ?? 0);
+  await act();
+  await page.waitForFunction((before) => Number(document.querySelector("#canvas").dataset.done ?? 0) > before, before, { timeout: 60_000 });
+  await page.waitForTimeout(150);
+}
+
+/** The raster of the command line as RGB: width, height, bytes. */
+export function raster(...args) {
+  const out = execFileSync(RUNSET, ["fill", ...args, "--format", "ppm", "-o", "-"], { cwd: ROOT, maxBuffer: 1 << 30 });
+  const head = /^P6\n(\d+) (\d+)\n255\n/.exec(out.subarray(0, 64).toString("latin1"));
+  return { width: Number(head[1]), height: Number(head[2]), rgb: out.subarray(head[0].length) };
+}
+
+/** The canvas as RGBA. */
+export async function canvas(page) {
+  const { width, height, text } = await page.evaluate(() => {
+    const canvas = document.querySelector("#canvas");
+    const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let text = "";
+    for (let i = 0; i < data.length; i += 32768) text += String.fromCharCode(...data.subarray(i, i + 32768));
+    return { width, height, text: btoa(text) };
+  });
+  return { width, height, rgba: Buffer.from(text, "base64") };
+}
+
+/**
+ * Pixels of the canvas that differ from a raster whose pixel (0, 0) stands at `left`, `top`; those for which `skip` holds are not looked at. Also how
+ * many were.
+ */
+export function compare(shown, expected, left, top, skip = () => false) {
+  let [compared, different] = [0, 0];
+  for (let y = 0; y < expected.height; y++) {
+    for (let x = 0; x < expected.width; x++) {
+      const [X, Y] = [left + x, top + y];
+      if (X < 0 || Y < 0 || X >= shown.width || Y >= shown.height || skip(X, Y)) continue;
+      compared++;
+      const [a, b] = [4 * (Y * shown.width + X), 3 * (y * expected.width + x)];
+      if (shown.rgba[a] !== expected.rgb[b] || shown.rgba[a + 1] !== expected.rgb[b + 1] || shown.rgba[a + 2] !== expected.rgb[b + 2]) different++;
+    }
+  }
+  return { compared, different };
+}
+
+/**
+ * Memory of the browser in MB, as proportional set sizes: of the largest process that shows a page, and of all its processes together.
+ */
+export function memory() {
+  const found = new Map();
+  for (const line of execFileSync("ps", ["-eo", "pid=,ppid=,args="]).toString().split("\n")) {
+    const [, pid, parent, args] = /^\s*(\d+)\s+(\d+)\s(.*)/.exec(line) ?? [];
+    if (pid) found.set(Number(pid), { parent: Number(parent), args });
+  }
+  const ours = (pid) => pid === process.pid || (found.has(pid) && ours(found.get(pid).parent));
+  let [tab, all] = [0, 0];
+  for (const [pid, { args }] of found) {
+    if (!/chrom/.test(args) || !ours(pid)) continue;
+    try {
+      const mb = Number(/Pss:\s+(\d+)/.exec(readFileSync(`/proc/${pid}/smaps_rollup`, "latin1"))[1]) / 1000;
+      all += mb;
+      if (args.includes("--type=renderer")) tab = Math.max(tab, mb);
+    } catch {
+      // It has ended.
+    }
+  }
+  return { tab, all };
+}
+
+export const clean = () => rmSync(SCRATCH, { recursive: true, force: true });
