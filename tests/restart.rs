@@ -296,7 +296,7 @@ fn a_stream_counts_as_a_thread_does() {
             let cost = stream.cost();
             assert_eq!((stream.lines(), stream.runs()), (stats.lines, stats.runs));
             assert_eq!(
-                (cost.counted, cost.repeated, cost.unordered, cost.toggles, cost.known, cost.peak_active),
+                (cost.rows.counted, cost.rows.repeated, cost.rows.unordered, cost.rows.toggles, cost.rows.known, cost.rows.peak_active),
                 (stats.lines_counted, stats.lines_repeated, stats.lines_unordered, stats.toggles, stats.toggles_known, stats.peak_active)
             );
         }
