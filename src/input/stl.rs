@@ -34,7 +34,7 @@ fn is_text(bytes: &[u8]) -> bool {
     name(bytes).is_some_and(|rest| {
         let line = memchr(b'\n', rest).unwrap_or(rest.len());
         let next = rest[line..].trim_ascii_start();
-        next.is_empty() || next.starts_with(b"facet") || next.starts_with(b"endsolid")
+        next.starts_with(b"facet") || next.starts_with(b"endsolid")
     })
 }
 
