@@ -35,6 +35,6 @@ export const size = () => ({
 
 /** The page that is asked for, if it can be had. */
 export function drawn() {
-  if (!desk.drawing || fault(size())) return undefined;
+  if (!desk.drawing || fault(desk.drawing.info, size())) return undefined;
   return rendering(desk.drawing.info, size());
 }

@@ -120,7 +120,7 @@ function sized() {
   const box = select("size-mode").value === "box";
   at("size-second-label").hidden = !box;
   at("size-label").textContent = select("size-mode").selectedOptions[0].textContent;
-  problem("size-problem", desk.drawing ? fault(size()) : "");
+  problem("size-problem", desk.drawing && fault(desk.drawing.info, size()));
   const page = drawn();
   at("size-result").textContent = page ? `${page.width} × ${page.height} px, ${number(page.width * page.height)} pixels` : "";
 }

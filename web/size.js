@@ -12,8 +12,8 @@
  */
 
 const UNITS_PER_INCH = 96;
-export const MOST_WIDTH = 1_048_576;
-export const MOST_HEIGHT = 8_388_608;
+const MOST_WIDTH = 1_048_576;
+const MOST_HEIGHT = 8_388_608;
 
 const whole = (/** @type {number} */ size) => Math.max(1, Math.floor(size * (1 + 8 * Number.EPSILON) + 0.5));
 
@@ -34,10 +34,20 @@ export function rendering(drawing, { mode, first, second }) {
 
 /**
  * What is wrong with a size, if anything is.
+ * @param {Page} drawing
  * @param {Size} size
  * @returns {string | undefined}
  */
-export function fault({ mode, first, second }) {
+export function fault(drawing, size) {
+  const wrong = outOfBounds(size);
+  if (wrong) return wrong;
+  const { width, height } = rendering(drawing, size);
+  if (width <= MOST_WIDTH && height <= MOST_HEIGHT) return undefined;
+  return `The page would have ${width} × ${height} px, at most ${MOST_WIDTH} × ${MOST_HEIGHT} are possible.`;
+}
+
+/** @param {Size} size */
+function outOfBounds({ mode, first, second }) {
   const pixels = (/** @type {number} */ n, /** @type {number} */ most) => Number.isInteger(n) && n >= 1 && n <= most;
   if (mode === "width" && !pixels(first, MOST_WIDTH)) return `Give a whole number of pixels from 1 to ${MOST_WIDTH}.`;
   if (mode === "height" && !pixels(first, MOST_HEIGHT)) return `Give a whole number of pixels from 1 to ${MOST_HEIGHT}.`;

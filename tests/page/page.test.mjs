@@ -189,6 +189,10 @@ test("errors stand at their place", async () => {
   await drawn(page, () => page.fill("#expression", "sky - logo"));
   assert.equal(await page.isHidden("#expression-problem"), true);
   assert.equal(await page.getAttribute("#expression", "aria-invalid"), null);
+  await page.fill("#size-first", "99999999");
+  assert.match(await page.textContent("#size-problem"), /at most 1048576 × 8388608/);
+  await drawn(page, () => page.fill("#size-first", "300"));
+  assert.equal(await page.isHidden("#size-problem"), true);
   await page.setInputFiles("#file", { name: "broken.svg", mimeType: "image/svg+xml", buffer: Buffer.from("<svg xmlns='http://www.w3.org/2000/svg'>\n<path>\n</svg>") });
   await page.waitForSelector("#drawing-problem:not([hidden])");
   assert.match(await page.textContent("#drawing-problem"), /^broken\.svg:3:\d+: /);
