@@ -30,6 +30,6 @@ fn main() -> Result<(), Error> {
             println!("{y:3} {text}  {:?}", lines.runs.iter().map(|run| (run.start, run.end)).collect::<Vec<_>>());
         }
     }
-    println!("counted on {} of 24 lines", rows.cost().counted);
+    println!("counted on {} of 24 lines", rows.cost().rows.counted);
     Ok(())
 }

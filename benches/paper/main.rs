@@ -111,7 +111,7 @@ fn fill(scene: Scene) -> Result<(u64, u64)> {
     while let Some(lines) = rows.next() {
         pixels += lines.runs.iter().map(|run| u64::from(run.end - run.start)).sum::<u64>() * u64::from(lines.n);
     }
-    Ok((pixels, rows.cost().counted))
+    Ok((pixels, rows.cost().rows.counted))
 }
 
 fn all(formula: &mut Formula, areas: &[Area]) -> Area {
