@@ -31,7 +31,7 @@ fn rows(job: &Job) -> Vec<Row> {
     let mut rows = job.rows();
     let mut all = Vec::new();
     while let Some(lines) = rows.next() {
-        assert!(lines.check(job.header().width, 1), "{lines:?}");
+        assert!(lines.check(job.header()), "{lines:?}");
         assert_eq!(lines.y as usize, all.len() + job.header().lines.start as usize);
         let row: Row = lines.runs.iter().map(|run| run.start..run.end).collect();
         all.extend(std::iter::repeat_n(row, lines.n as usize));
