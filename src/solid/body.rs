@@ -25,6 +25,7 @@ use glam::DVec3;
 
 use crate::mesh::check::Placed;
 use crate::mesh::{Mesh, Model};
+use crate::run::Rgb;
 
 /// How far apart things are that count as one, in terms of the model's size.
 pub const SAME: f64 = 1e-9;
@@ -215,10 +216,13 @@ fn winged(faces: &[Flat]) -> Vec<Edge> {
     edges
 }
 
+/// Corners of a part in an order of their own.
+type Corners = Vec<[u64; 3]>;
+
 /// Parts in an order of their own: by what they are, then by their place in the document.
 fn ranks(model: &Model, points: &[DVec3], faces: &[Flat]) -> Vec<u32> {
-    let mut keys: Vec<(Vec<[u64; 3]>, Option<[u8; 3]>, u32)> =
-        model.parts.iter().zip(0..).map(|(part, i)| (Vec::new(), part.color, i)).collect();
+    let parts = model.parts.iter().zip(0..);
+    let mut keys: Vec<(Corners, Option<Rgb>, u32)> = parts.map(|(part, i)| (Corners::new(), part.color, i)).collect();
     for face in faces {
         keys[face.part as usize].0.extend(face.corners().map(|c| points[c as usize].to_array().map(ordered)));
     }

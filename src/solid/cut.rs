@@ -67,9 +67,9 @@ pub fn cut(body: &mut Body, plane: Plane) {
             }
         }
         if from {
-            edge.to = crossing
+            edge.to = crossing;
         } else {
-            edge.from = crossing
+            edge.from = crossing;
         }
         true
     });

@@ -18,7 +18,7 @@ impl Random {
     }
 
     pub fn unit(&mut self) -> f64 {
-        self.below(1 << 30) as f64 / (1 << 30) as f64
+        self.below(1 << 30) as f64 / f64::from(1 << 30)
     }
 
     pub fn pick<T: Copy>(&mut self, of: &[T]) -> T {
