@@ -10,8 +10,8 @@
 //! ```text
 //! 5  cli  main  service      arguments, files, signals; HTTP, stored jobs
 //! 4  job                     bytes -> scene -> rows -> Write
-//! 3  region  input  encode   runs of a page; readers; writers
-//! 2  edge  scene             edge builders; shapes, expression, page, limits
+//! 3  region  solid  input  encode   runs of a page; spans of a model; readers; writers
+//! 2  edge  mesh  scene       edge builders; polyhedra; shapes, expression, page, limits
 //! 1  sweep  shape            active edges in column order; paths, fill rules, strokes, flattening
 //! 0  grid  line  count  bits  run  checksum  error
 //! ```
