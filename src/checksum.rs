@@ -14,7 +14,7 @@
 //! n equal rows    : n times that, or for many R·X^n + row·(1 + X + … + X^(n-1)), both factors by doubling
 //! ```
 //!
-//! Cost: two look-ups a run (with several inks or shaded also a multiplication by a pixel's bytes) and four a line, at most as many as `STEPPED` lines
+//! Cost: two look-ups a run (with several inks or shaded also a step for each bit of a pixel) and four a line, at most as many as `STEPPED` lines
 //! take a record, or some 100 steps for each doubling; the page is never expanded. The table of tails takes four bytes a pixel of the
 //! width, rounded up to a power of two, and is shared by all rasters of the process.
 //!
@@ -66,13 +66,13 @@ impl Checksum {
     /// Takes the next lines. They must keep the invariants of [`Lines`] for the header's width.
     pub fn add(&mut self, lines: Lines<'_>) {
         let from = |x: u32| self.tails[(self.width - x) as usize];
-        let spans = lines.runs.iter().map(|run| (from(run.start) ^ from(run.end), run.ink));
+        let spans = lines.runs.iter().map(|run| (run.ink, from(run.start) ^ from(run.end)));
+        // The high byte comes first: it has the higher powers, which are the lower bits.
         let row = match self.bytes {
-            0 => spans.fold(0, |row, (span, _)| row ^ span),
-            1 => spans.fold(0, |row, (span, ink)| row ^ times((ink + 1) << 24, span)),
-            // The high byte comes first: it has the higher powers, which are the lower bits.
-            2 => spans.fold(0, |row, (span, ink)| row ^ times((ink + 1).swap_bytes(), span)),
-            _ => spans.fold(self.blank, |row, (span, ink)| row ^ times((ink ^ self.paper).swap_bytes(), span)),
+            0 => spans.fold(0, |row, (_, span)| row ^ span),
+            1 => products::<8>(spans.map(|(ink, span)| ((ink + 1) << 24, span))),
+            2 => products::<16>(spans.map(|(ink, span)| ((ink + 1).swap_bytes(), span))),
+            _ => self.blank ^ products::<24>(spans.map(|(ink, span)| ((ink ^ self.paper).swap_bytes(), span))),
         };
         if lines.n <= STEPPED {
             for _ in 0..lines.n {
@@ -146,6 +146,18 @@ fn times(mut a: Poly, mut b: Poly) -> Poly {
         b = times_x(b);
     }
     product
+}
+
+/// The sum of the products of pairs, of which the first has a degree below `N`. It is Horner's rule for all at once: what the powers of x multiply is summed up
+/// first.
+fn products<const N: usize>(pairs: impl Iterator<Item = (Poly, Poly)>) -> Poly {
+    let mut factors = [0; N];
+    for (a, b) in pairs {
+        for (power, factor) in factors.iter_mut().enumerate() {
+            *factor ^= if a & (ONE >> power) == 0 { 0 } else { b };
+        }
+    }
+    factors.iter().rev().fold(0, |sum, factor| times_x(sum) ^ factor)
 }
 
 /// `x^n` and `1 + x + … + x^(n-1)`.
