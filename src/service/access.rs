@@ -18,6 +18,7 @@ use subtle::ConstantTimeEq;
 
 use super::connection::Connection;
 use super::problem::Problem;
+use super::rest::Rest;
 use super::{Service, meters};
 
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -29,12 +30,16 @@ pub async fn pass(State(service): State<Service>, mut request: Request, next: Ne
     let connection = request.extensions().get::<Arc<Connection>>().cloned();
     let (method, path) = (request.method().clone(), request.uri().path().to_owned());
     request.extensions_mut().insert(Started(started));
+    let rest = Rest::of(&mut request);
     let allowed = local(&service, request.headers()).and_then(|()| authorized(&service, &path, request.headers()));
     let mut response = match allowed {
         Ok(()) => next.run(request).await,
         Err(problem) => problem.into_response(),
     };
     let status = response.status();
+    if status.is_client_error() || status.is_server_error() {
+        rest.linger().await;
+    }
     meters::request(status.as_u16());
     if let Ok(id) = HeaderValue::from_str(&id) {
         response.headers_mut().insert(REQUEST_ID, id);

@@ -30,6 +30,7 @@ mod page;
 mod params;
 mod problem;
 mod raster;
+mod rest;
 mod server;
 
 pub use config::Config;

@@ -46,7 +46,10 @@ fn wrong_usage_is_one_line() {
             "fill scene.json --scale 1e6",
             "the page would be 16000000 x 10000000 px: at most 1048576 x 8388608, so ask for a smaller size (see runset fill --help)",
         ),
-        ("man frob", "no subcommand 'frob'; the subcommands are fill, convert, solid, serve, info, formats, completions, man (see runset man --help)"),
+        (
+            "man frob",
+            "no subcommand 'frob'; the subcommands are fill, convert, solid, serve, info, formats, completions, man (see runset man --help)",
+        ),
     ] {
         folder.run(args).refused(2, &format!("runset: {line}"));
     }
