@@ -313,3 +313,34 @@ fn a_model_without_itself_is_empty() {
         }
     }
 }
+
+#[test]
+fn the_order_of_a_union_is_free() {
+    let mut random = Random(11);
+    for round in 0..60 * effort() {
+        let model = random_model(&mut random, 8);
+        let n = model.parts.len() as u32;
+        // The same parts in another order; those that are the same but for their place in the document may stand for each other.
+        let mut order: Vec<u32> = (0..n).collect();
+        for i in (1..n as usize).rev() {
+            order.swap(i, random.below(i as u64 + 1) as usize);
+        }
+        let view = random_view(&mut random, 40);
+        let union = |parts: Vec<runset::mesh::Part>| {
+            let mut formula = Formula::default();
+            let all: Vec<Area> = (0..n).map(|i| formula.shape(i)).collect();
+            let area = formula.any(&all);
+            Model { parts, formula, area }
+        };
+        let one = stage(&union(model.parts.clone()), view, &[]);
+        let other = stage(&union(order.iter().map(|&i| model.parts[i as usize].clone()).collect()), view, &[]);
+        let shape = |part: &u32| format!("{:?}", all_placed(&model, &mut Vec::new())[*part as usize].mesh);
+        let shapes: Vec<String> = (0..n).map(|part| shape(&part)).collect();
+        let (one, other) = (drawn(&one, 0..view.height, Savings::default()), drawn(&other, 0..view.height, Savings::default()));
+        for (a, b) in one.iter().flatten().zip(other.iter().flatten()) {
+            let a = a.map(|(part, _, near)| (&shapes[part as usize], near));
+            let b = b.map(|(part, _, near)| (&shapes[order[part as usize] as usize], near));
+            assert_eq!(a, b, "round {round}");
+        }
+    }
+}

@@ -5,6 +5,7 @@
 mod output;
 mod reference;
 mod signals;
+mod solid;
 mod support;
 mod usage;
 mod work;

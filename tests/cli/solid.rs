@@ -1,0 +1,95 @@
+//! solid: models in, pictures and numbers out.
+
+use crate::support::Folder;
+
+/// A cube of 10 with a square hole of 4 through it along z.
+const MODEL: &str = "difference() {
+\tcube(size = [10, 10, 10], center = true);
+\tcube(size = [4, 4, 20], center = true);
+}
+";
+
+/// From above without perspective: 16 px are 2 * 100 * tan(11.25 degrees) = 39.78 units, so the cube is 4.02 px wide and the hole 1.61.
+const ABOVE: &str = "--camera 0,0,0,0,0,0,100 --projection o --imgsize 16,16";
+
+#[test]
+fn a_model_from_above_by_hand() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    let out =
+        folder.run(&format!("solid m.csg {ABOVE} --format pbm --aov primitive=p.pgm --aov depth=d.pfm --aov normal=n.pfm")).done().to_vec();
+    let rows: Vec<u16> = out.strip_prefix(b"P4\n16 16\n").unwrap().chunks(2).map(|row| u16::from_be_bytes([row[0], row[1]])).collect();
+    // Pixels 6 to 9; the hole is from 7.2 to 8.8 and holds the centres of 7 and 8.
+    let expected: Vec<u16> = (0..16)
+        .map(|y| match y {
+            6 | 9 => 0b0000_0011_1100_0000,
+            7 | 8 => 0b0000_0010_0100_0000,
+            _ => 0,
+        })
+        .collect();
+    assert_eq!(rows, expected);
+
+    let parts = folder.get("p.pgm");
+    let parts = parts.strip_prefix(b"P5\n16 16\n65535\n").unwrap();
+    let bits = |y: usize, x: usize| expected[y] >> (15 - x) & 1;
+    for y in 0..16 {
+        for x in 0..16 {
+            assert_eq!(u16::from_be_bytes([parts[2 * (16 * y + x)], parts[2 * (16 * y + x) + 1]]), bits(y, x), "{x} {y}");
+        }
+    }
+    // The bottom row comes first; the upper side of the cube is 95 away.
+    let depths = folder.get("d.pfm");
+    let normals = folder.get("n.pfm");
+    let numbers = |bytes: &[u8]| bytes.chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect::<Vec<_>>();
+    let depths = numbers(depths.strip_prefix(b"Pf\n16 16\n-1.0\n").unwrap());
+    let normals = numbers(normals.strip_prefix(b"PF\n16 16\n-1.0\n").unwrap());
+    for y in 0..16 {
+        for x in 0..16 {
+            let (at, shown) = (16 * (15 - y) + x, bits(y, x) == 1);
+            assert!(if shown { (depths[at] - 95.0).abs() < 1e-4 } else { depths[at] == f32::INFINITY }, "{x} {y}: {}", depths[at]);
+            assert_eq!(&normals[3 * at..3 * at + 3], if shown { &[0.0, 0.0, 1.0] } else { &[0.0; 3] }, "{x} {y}");
+        }
+    }
+}
+
+#[test]
+fn formats_threads_and_streams_show_one_picture() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    folder.run("solid m.csg -o one.png --threads 1 --imgsize 200,150").done();
+    folder.run("solid m.csg -o three.png --threads 3 --imgsize 200,150").done();
+    assert_eq!(folder.get("one.png"), folder.get("three.png"));
+    folder.run("solid m.csg -o m.ppm --imgsize 200,150").done();
+    let picture = image::load_from_memory(&folder.get("one.png")).unwrap().into_rgb8();
+    assert_eq!((picture.dimensions(), picture.get_pixel(0, 0).0), ((200, 150), [0xff, 0xff, 0xe5]));
+    assert_eq!(folder.get("m.ppm"), [b"P6\n200 150\n255\n", &picture.as_raw()[..]].concat());
+    for stream in ["m.rls", "m.ndjson"] {
+        folder.run(&format!("solid m.csg -o {stream} --imgsize 200,150")).done();
+        folder.run(&format!("convert {stream} -o again.ppm")).done();
+        assert_eq!(folder.get("again.ppm"), folder.get("m.ppm"), "{stream}");
+    }
+    let ran = folder.run("solid m.csg -o m.png --stats");
+    assert_eq!(ran.status, Some(0));
+    let stats: serde_json::Value = serde_json::from_str(ran.stderr.lines().last().unwrap()).unwrap();
+    assert_eq!((&stats["primitives"], &stats["faces"], &stats["height"]), (&2.into(), &12.into(), &512.into()), "{stats}");
+    assert!(["spans", "depth_tests", "crossings"].iter().all(|key| stats[key].is_u64()), "{stats}");
+}
+
+#[test]
+fn what_is_wrong_is_one_line_with_its_place() {
+    let folder = Folder::new();
+    for (text, args, status, start) in [
+        ("cube(1); fooo();", "", 1, "m.csg:1:10: unknown module \"fooo\""),
+        ("group();", "--strict", 1, "m.csg: the model is empty"),
+        (MODEL, "--camera 1,2", 2, "runset: invalid value '1,2' for '--camera <NUMBERS>': give seven numbers"),
+        (MODEL, "--camera 1,1,1,1,1,1", 2, "runset: invalid value '1,1,1,1,1,1' for '--camera <NUMBERS>': the eye is where it looks"),
+        (MODEL, "--imgsize 0,5", 2, "runset: invalid value '0,5' for '--imgsize <W,H>': give a width"),
+        (MODEL, "--aov colour=x", 2, "runset: invalid value 'colour=x' for '--aov <WHAT=FILE>': give primitive"),
+    ] {
+        folder.put("m.csg", text);
+        let ran = folder.run(&format!("solid m.csg -o m.png {args}"));
+        assert_eq!((ran.status, ran.stderr.lines().count()), (Some(status), 1), "{text} {args}: {}", ran.stderr);
+        assert!(ran.stderr.starts_with(start), "{args}: {}", ran.stderr);
+        assert!(!folder.path("m.png").exists());
+    }
+}
