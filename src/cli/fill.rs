@@ -7,13 +7,13 @@ use std::time::Instant;
 use runset::error::{Error, Kind, Origin};
 use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
 use runset::job::{Job, Options, Size, TOLERANCE};
-use runset::scene::Limits;
 
-use super::input::{FontOptions, Limit, Source};
-use super::messages::{Ends, Failure, tell};
+use super::input::{FontOptions, Source};
+use super::messages::{Ends, Failure};
 use super::output::{Output, Target};
-use super::progress::{Progress, Watch};
+use super::progress::Progress;
 use super::values;
+use super::work::Work;
 
 const EXAMPLES: &str = "\
 Expressions, operators from the tightest to the loosest:
@@ -68,23 +68,8 @@ pub struct Fill {
     #[command(flatten)]
     fonts: FontOptions,
 
-    /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024), allow_negative_numbers = true)]
-    threads: Option<u32>,
-
     #[command(flatten)]
-    limit: Limit,
-
-    /// Treat warnings as errors: status 1, and nothing is written
-    #[arg(long)]
-    strict: bool,
-
-    /// Print what the run cost as one JSON object, the last line on standard error (times in seconds)
-    #[arg(long)]
-    stats: bool,
-
-    #[command(flatten)]
-    watch: Watch,
+    work: Work,
 }
 
 #[derive(clap::Args)]
@@ -139,31 +124,27 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     let (input_name, output_name) = (source.name(), output.name().to_owned());
     let ends = Ends { input: &input_name, output: &output_name };
 
-    let mut limits = Limits { input: args.limit.max_input, ..Limits::default() };
-    limits.threads = args.threads.map_or(limits.threads, |n| n as usize);
     let options = Options {
         expr: args.expr.clone(),
         size: args.size.size(),
         lines: args.lines.clone(),
         tolerance: args.tolerance,
-        limits,
+        limits: args.work.limits(),
         started,
         ..Options::default()
     };
     let bytes = source.read(options.limits.input)?;
-    let fonts = args.fonts.load(&args.limit)?;
+    let fonts = args.fonts.load(&args.work.limit)?;
     let mut warnings = Vec::new();
     let scene = runset::input::read_with(bytes, &options.limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
     let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
-    ends.warn(&warnings, args.strict)?;
+    ends.warn(&warnings, args.work.strict)?;
 
-    let mut progress = Progress::new(&args.watch, Some(job.header().height()), output.is_terminal());
+    let mut progress = Progress::new(&args.work.watch, Some(job.header().height()), output.is_terminal());
     let stats =
         job.render(format, options.limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);
     output.finish()?;
-    if args.stats {
-        tell(&serde_json::to_string(&stats).expect("numbers under fixed names are JSON"));
-    }
+    args.work.tell(&stats);
     Ok(())
 }

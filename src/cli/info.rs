@@ -9,7 +9,7 @@ use runset::scene::{BUILT_IN, Limits};
 use super::input::{FontOptions, Limit, Source};
 use super::messages::{Ends, Failure, print};
 use super::scad;
-use super::table::table;
+use super::table::{number, table};
 use super::tree;
 
 const EXAMPLES: &str = "\
@@ -134,22 +134,6 @@ fn quoted(id: &str) -> String {
     }
     let escaped = id.replace('\\', "\\\\").replace('"', "\\\"").replace(char::is_control, "\u{fffd}");
     format!("\"{escaped}\"")
-}
-
-/// Writes a number with two decimals, or in powers of ten where that would be long.
-pub fn number(x: f64, text: &mut String) {
-    if x.abs() >= 1e9 {
-        text.push_str(&format!("{x:.6e}"));
-        return;
-    }
-    let hundredths = (x * 100.0).round() as i64;
-    if hundredths < 0 {
-        text.push('-');
-    }
-    let [whole, rest] = [hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100];
-    text.push_str(itoa::Buffer::new().format(whole));
-    text.push_str(if rest < 10 { ".0" } else { "." });
-    text.push_str(itoa::Buffer::new().format(rest));
 }
 
 #[cfg(test)]

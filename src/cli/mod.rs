@@ -20,6 +20,7 @@ mod solid;
 mod table;
 mod tree;
 mod values;
+mod work;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -6,15 +6,15 @@ use std::time::Instant;
 use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
 use runset::input::{ModelOptions, read_model};
 use runset::job::{Aov, Job, SolidOptions};
-use runset::scene::Limits;
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::shade::{SCHEMES, Scheme};
 
-use super::input::{Limit, Source};
-use super::messages::{Ends, Failure, tell};
+use super::input::Source;
+use super::messages::{Ends, Failure};
 use super::output::{Output, Target};
-use super::progress::{Progress, Watch};
-use super::{scad, values};
+use super::progress::Progress;
+use super::scad;
+use super::work::Work;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -73,23 +73,8 @@ pub struct Solid {
     #[arg(long, value_name = "WHAT=FILE", value_parser = aov)]
     aov: Vec<(Aov, PathBuf)>,
 
-    /// Threads, 1 to 1024; the output does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = values::whole(1..=1024), allow_negative_numbers = true)]
-    threads: Option<u32>,
-
     #[command(flatten)]
-    limit: Limit,
-
-    /// Treat warnings as errors: status 1, and nothing is written
-    #[arg(long)]
-    strict: bool,
-
-    /// Print what the run cost as one JSON object, the last line on standard error (times in seconds)
-    #[arg(long)]
-    stats: bool,
-
-    #[command(flatten)]
-    watch: Watch,
+    work: Work,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -156,8 +141,7 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let (input_name, output_name) = (source.name(), output.name().to_owned());
     let ends = Ends { input: &input_name, output: &output_name };
 
-    let limits = Limits { input: args.limit.max_input, ..Limits::default() };
-    let threads = args.threads.map_or(limits.threads, |n| n as usize);
+    let limits = args.work.limits();
     let bytes = if scad::is_program(&args.input) { scad::tree(&args.input, limits.input)? } else { source.read(limits.input)? };
     let options = ModelOptions { limits, folder: source.folder() };
     let mut warnings = Vec::new();
@@ -174,10 +158,10 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     };
     let options = SolidOptions { setup, scheme: *args.colorscheme, started, ..SolidOptions::default() };
     let job = Job::solid(&model, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
-    ends.warn(&warnings, args.strict)?;
+    ends.warn(&warnings, args.work.strict)?;
 
-    let mut progress = Progress::new(&args.watch, Some(height), output.is_terminal());
-    let stats = job.render(format, threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+    let mut progress = Progress::new(&args.work.watch, Some(height), output.is_terminal());
+    let stats = job.render(format, limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);
     for (aov, out) in &mut numbers {
         let name = out.name().to_owned();
@@ -185,8 +169,6 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     }
     output.finish()?;
     numbers.into_iter().try_for_each(|(_, out)| out.finish())?;
-    if args.stats {
-        tell(&serde_json::to_string(&stats).expect("numbers under fixed names are JSON"));
-    }
+    args.work.tell(&stats);
     Ok(())
 }

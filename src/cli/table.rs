@@ -29,6 +29,22 @@ pub fn table<const N: usize>(rows: usize, right: [bool; N], write: impl Fn(usize
     text
 }
 
+/// Writes a number with two decimals, or in powers of ten where that would be long.
+pub fn number(x: f64, text: &mut String) {
+    if x.abs() >= 1e9 {
+        text.push_str(&format!("{x:.6e}"));
+        return;
+    }
+    let hundredths = (x * 100.0).round() as i64;
+    if hundredths < 0 {
+        text.push('-');
+    }
+    let [whole, rest] = [hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100];
+    text.push_str(itoa::Buffer::new().format(whole));
+    text.push_str(if rest < 10 { ".0" } else { "." });
+    text.push_str(itoa::Buffer::new().format(rest));
+}
+
 fn line(text: &mut String, cells: &[String], widths: &[usize], right: &[bool]) {
     let start = text.len();
     for ((cell, width), right) in cells.iter().zip(widths).zip(right) {

@@ -2,8 +2,7 @@
 
 use runset::job::{ModelEntry, ModelInfo};
 
-use super::info::number;
-use super::table::table;
+use super::table::{number, table};
 
 /// Deepest indentation.
 const DEEPEST: u32 = 12;

@@ -2,17 +2,20 @@
 
 mod arc;
 mod csg;
+mod file;
 mod fonts;
 pub mod lines;
 mod model;
 mod path_data;
+mod reading;
 mod scan;
 mod scene;
 mod stl;
 mod svg;
 
 pub use fonts::Fonts;
-pub use model::{Listed, ModelOptions, Reading, is_model, read_model, read_tree};
+pub use model::{ModelOptions, is_model, read_model, read_tree};
+pub use reading::{Listed, Reading};
 
 use std::io::Read;
 

@@ -1,11 +1,10 @@
 //! Models of solids: which reader a document needs, and what is told of its tree.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use super::reading::{Listed, Reading};
 use super::{csg, stl};
-use crate::error::{Error, Kind, Place, Result, Warning};
+use crate::error::{Error, Kind, Result, Warning};
 use crate::mesh::{IDENTITY, Model, Part};
 use crate::scene::{Formula, Limits};
 
@@ -16,28 +15,6 @@ pub struct ModelOptions {
     pub limits: Limits,
     /// Where files are that the document imports; without it, imports are left out with a warning that says [`Warning::outside`].
     pub folder: Option<PathBuf>,
-}
-
-/// A statement of a model's document.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Listed {
-    /// Its module: `union`, `cube`.
-    pub kind: &'static str,
-    /// Where it begins.
-    pub place: Option<Place>,
-    /// How many statements it stands in.
-    pub depth: u32,
-    /// Which part of the model it is, if it is one.
-    pub part: Option<u32>,
-}
-
-/// A model with its document's tree.
-#[derive(Clone, Debug)]
-pub struct Reading {
-    /// The model.
-    pub model: Model,
-    /// The statements that count, in document order. What is marked as background or disabled is not among them.
-    pub tree: Vec<Listed>,
 }
 
 /// Whether a document is a model's, by how it begins: an STL, a statement of a `.csg`, as in `cube(`, or a comment.
@@ -83,15 +60,4 @@ pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warnin
         [b'{' | b'<', ..] => Err(Error::input(Kind::Malformed, "this is a drawing, not a model: expected an OpenSCAD .csg or an STL")),
         _ => csg::read(text, limits, options.folder.as_deref(), warnings),
     }
-}
-
-/// A file's bytes; past the limit, one more than the limit.
-pub(super) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
-    let file = File::open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(io::Error::other("not a regular file"));
-    }
-    let mut bytes = Vec::new();
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }

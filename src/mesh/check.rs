@@ -10,6 +10,7 @@
 
 use foldhash::HashMap;
 
+use super::face::{edges, normal};
 use super::triangles::triangles;
 use super::{Face, Mesh, Model, Part, Point};
 use crate::error::Warning;
@@ -82,11 +83,6 @@ pub fn all_placed(model: &Model, warnings: &mut Vec<Warning>) -> Vec<Placed> {
 /// Turns a face over.
 fn turn(face: &mut Face) {
     face.rings.iter_mut().for_each(|ring| ring.reverse());
-}
-
-/// The directed edges of a face.
-pub(super) fn edges(face: &Face) -> impl Iterator<Item = [u32; 2]> {
-    face.rings.iter().flat_map(|ring| (0..ring.len()).map(move |i| [ring[i], ring[(i + 1) % ring.len()]]))
 }
 
 /// The triangles that close a surface, and the number of edges that are open.
@@ -170,20 +166,6 @@ fn volume(points: &[Point], faces: &[Face], origin: Point) -> f64 {
         spans.sum()
     };
     faces.iter().flat_map(|face| &face.rings).map(fan).sum()
-}
-
-/// Twice the area of a face, as a vector along its normal (Newell), and the length of its outline.
-pub(super) fn normal(points: &[Point], face: &Face) -> (Point, f64) {
-    let Some(&origin) = face.rings.first().and_then(|ring| ring.first()) else { return ([0.0; 3], 0.0) };
-    let origin = points[origin as usize];
-    let (mut sum, mut around) = ([0.0; 3], 0.0);
-    for [a, b] in edges(face) {
-        let [p, q] = [a, b].map(|i| super::minus(points[i as usize], origin));
-        let area = super::cross(p, q);
-        sum = [0, 1, 2].map(|i| sum[i] + area[i]);
-        around += super::length(super::minus(q, p));
-    }
-    (sum, around)
 }
 
 fn plane(points: &[Point], face: &Face, tolerance: f64) -> bool {

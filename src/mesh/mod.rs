@@ -7,6 +7,7 @@
 pub mod build;
 pub mod check;
 pub mod extrude;
+mod face;
 pub mod hull;
 pub mod outline;
 pub mod primitive;

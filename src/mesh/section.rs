@@ -2,7 +2,8 @@
 
 use foldhash::HashMap;
 
-use super::check::{edges, normal, placed};
+use super::check::placed;
+use super::face::{edges, normal};
 use super::outline::{Contour, Outline};
 use super::{Matrix, Mesh, Part, Point};
 

@@ -2,7 +2,7 @@
 
 use earcut::Earcut;
 
-use super::check::{edges, normal};
+use super::face::{edges, normal};
 use super::{Face, Point};
 
 /// The triangles of a face: those of `earcut` in the plane that the face is nearest to. Where these do not have the face's edges, because it meets itself, every ring

@@ -157,7 +157,7 @@ impl Reader<'_, '_> {
             return Ok(None);
         }
         let fails = |kind, what: String| Error::input(kind, format!("import of {named}: {what}")).at(place);
-        let bytes = super::super::model::read_file(&folder.join(&file), self.limits.input).map_err(|e| fails(Kind::Io, e.to_string()))?;
+        let bytes = super::super::file::read_file(&folder.join(&file), self.limits.input).map_err(|e| fails(Kind::Io, e.to_string()))?;
         if bytes.len() as u64 > self.limits.input {
             return Err(fails(Kind::Limit, format!("larger than {} bytes: raise --max-input", self.limits.input)));
         }

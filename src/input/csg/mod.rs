@@ -21,7 +21,7 @@ use self::made::{Made, Purpose, Solid};
 use self::modules::{Kind as Module, MODULES};
 use self::tree::{Statement, Tree};
 use self::values::Arguments;
-use super::model::{Listed, Reading};
+use super::reading::{Listed, Reading};
 use crate::error::{Error, Kind, Place, Places, Result, Warning};
 use crate::mesh::outline::{Outline, Tangled};
 use crate::mesh::{FARTHEST, IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
