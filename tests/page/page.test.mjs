@@ -247,6 +247,8 @@ test("a scanline is told", async () => {
   const args = ["fill", POSTER, "--expr", "sky - sun", "--width", "2000", "--lines", `${y}..${y + 1}`, "--format", "ndjson", "-o", "-"];
   const [, record] = execFileSync(RUNSET, args, { cwd: ROOT }).toString().split("\n").map((text) => text && JSON.parse(text));
   await page.click("#line-table summary");
+  // The tables are made when they are opened.
+  await page.locator("table").nth(1).locator("tbody tr").first().waitFor();
   const rows = await page.locator("table").nth(1).locator("tbody tr").allTextContents();
   assert.deepEqual(rows.map((text) => text.slice(0, 6)), record.runs.map(([a, b]) => `${a}${b}`.slice(0, 6)));
   const crossings = await page.locator("table").nth(0).locator("tbody tr").evaluateAll((rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
