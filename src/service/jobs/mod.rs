@@ -10,14 +10,16 @@
 //! lengths, checkpoints) is stored a second later at most: losing it costs work, and no bytes.
 
 pub mod events;
+mod live;
+mod measure;
 pub mod raster;
 mod store;
 mod trail;
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 
 use axum::Json;
@@ -30,19 +32,19 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use tokio::sync::{Notify, watch};
+use tokio::sync::Notify;
 use utoipa::{IntoParams, ToSchema};
 
+pub use self::measure::measure;
+
+use self::live::{Change, Live, Phase, Record, View};
 use self::store::{Row, Store};
 use self::trail::Trail;
 use super::config::Config;
-use super::drawings::{Key, Shared};
 use super::params::{Kind, Params};
 use super::problem::{Details, Problem};
-use super::raster::{Follow, exhaust};
 use super::{Service, fill, meters};
-use crate::encode::{self, Format};
-use crate::job::{More, Stream};
+use crate::encode;
 
 /// The client's key of a request that may be sent again.
 const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
@@ -52,270 +54,6 @@ const REPLAYED: HeaderName = HeaderName::from_static("idempotent-replayed");
 
 /// Jobs of a page of the list, unless it is asked for another number.
 const PAGE: usize = 100;
-
-/// How a job is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Phase {
-    /// Stored, and read by nobody at the moment.
-    Ready,
-    /// Being read.
-    Reading,
-    /// Its raster was handed to a reader up to the last byte.
-    Done,
-    /// Its document cannot be rendered any more.
-    Failed,
-    /// Deleted.
-    Cancelled,
-}
-
-/// When a job came into a state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Change {
-    /// The state.
-    state: Phase,
-    /// When, in UTC (RFC 3339).
-    #[schema(value_type = String, format = DateTime)]
-    at: Timestamp,
-}
-
-/// A job as it is shown.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = Job)]
-pub struct View {
-    /// Its id; later jobs have greater ones.
-    id: String,
-    /// What is made of its document.
-    kind: Kind,
-    /// How it is.
-    state: Phase,
-    /// Name of the raster's format.
-    format: String,
-    /// Width of the raster in pixels.
-    width: u32,
-    /// Height of the raster in pixels.
-    height: u32,
-    /// Its scanlines.
-    lines: u32,
-    /// Scanlines that were handed to a reader, at least in part.
-    lines_delivered: u32,
-    /// Length of the raster in bytes, once it is known.
-    bytes: Option<u64>,
-    /// When it was accepted, in UTC (RFC 3339).
-    #[schema(value_type = String, format = DateTime)]
-    created: Timestamp,
-    /// When its last byte was first handed to a reader, or when it failed.
-    #[schema(value_type = Option<String>, format = DateTime)]
-    finished: Option<Timestamp>,
-    /// Why it failed.
-    error: Option<String>,
-    /// What is drawn but not supported.
-    warnings: Vec<String>,
-    /// The states that it was in, the last few of them.
-    history: Vec<Change>,
-}
-
-/// States that are remembered.
-const HISTORY: usize = 32;
-
-/// A job as it is stored.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Record {
-    #[serde(flatten)]
-    view: View,
-    params: Params,
-    /// What tells its drawing from others.
-    key: Key,
-    /// Bytes of the document.
-    size: u64,
-    /// The raster's tag: another one means other bytes.
-    tag: String,
-    idempotency_key: Option<String>,
-    /// When it was made or read last.
-    used: Timestamp,
-}
-
-/// A job.
-pub struct Live {
-    id: String,
-    key: Key,
-    params: Params,
-    format: &'static Format,
-    size: u64,
-    tag: String,
-    idempotency_key: Option<String>,
-    now: Mutex<Now>,
-    readers: AtomicUsize,
-    deleted: AtomicBool,
-    /// Whether the store knows less.
-    dirty: AtomicBool,
-    /// Counts changes, for those who follow.
-    changes: watch::Sender<()>,
-}
-
-/// What changes of a job.
-struct Now {
-    view: View,
-    trail: Trail,
-    used: Timestamp,
-}
-
-impl Live {
-    fn new(record: Record, format: &'static Format, trail: Trail) -> Live {
-        let Record { view, params, key, size, tag, idempotency_key, used } = record;
-        Live {
-            id: view.id.clone(),
-            key,
-            params,
-            format,
-            size,
-            tag,
-            idempotency_key,
-            now: Mutex::new(Now { view, trail, used }),
-            readers: AtomicUsize::new(0),
-            deleted: AtomicBool::new(false),
-            dirty: AtomicBool::new(false),
-            changes: watch::Sender::new(()),
-        }
-    }
-
-    fn now(&self) -> MutexGuard<'_, Now> {
-        self.now.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// As it is shown.
-    pub fn view(&self) -> View {
-        self.now().view.clone()
-    }
-
-    fn row(&self) -> Row {
-        let now = self.now();
-        let record = Record {
-            view: now.view.clone(),
-            params: self.params.clone(),
-            key: self.key,
-            size: self.size,
-            tag: self.tag.clone(),
-            idempotency_key: self.idempotency_key.clone(),
-            used: now.used,
-        };
-        let record = serde_json::to_string(&record).expect("numbers and strings under fixed names are JSON");
-        Row { id: self.id.clone(), record, trail: now.trail.to_bytes() }
-    }
-
-    /// Changes it, and tells those who follow.
-    fn change(&self, how: impl FnOnce(&mut Now)) {
-        how(&mut self.now());
-        self.dirty.store(true, Ordering::Release);
-        self.changes.send_replace(());
-    }
-
-    fn enter(now: &mut Now, state: Phase) {
-        if now.view.state != state {
-            now.view.state = state;
-            now.view.history.push(Change { state, at: Timestamp::now() });
-            let old = now.view.history.len().saturating_sub(HISTORY);
-            // The first stays: it tells when the job was accepted.
-            now.view.history.drain(1.min(old)..old + 1.min(old));
-        }
-    }
-
-    fn fail(&self, why: &str) {
-        self.change(|now| {
-            Live::enter(now, Phase::Failed);
-            now.view.finished = Some(Timestamp::now());
-            now.view.error = Some(why.to_owned());
-        });
-    }
-
-    /// Its drawing, prepared.
-    async fn drawing(&self, service: &Service) -> Result<Shared, Problem> {
-        let path = service.jobs.store.document(&self.id);
-        let drawing = service.drawings.get(self.key, self.params.options()?, Box::new(move || std::fs::read(path))).await;
-        // Its document may have been deleted in between.
-        drawing.map_err(|problem| service.jobs.find(&self.id).err().unwrap_or(problem))
-    }
-
-    /// A reader comes.
-    fn read(self: &Arc<Live>) -> Reading {
-        self.readers.fetch_add(1, Ordering::AcqRel);
-        self.change(|now| {
-            now.used = Timestamp::now();
-            if now.view.state == Phase::Ready {
-                Live::enter(now, Phase::Reading);
-            }
-        });
-        Reading(self.clone())
-    }
-
-    /// Notes where its raster can be taken up again, and its length at the end.
-    fn note(&self, stream: &Stream, more: More) {
-        let mut now = self.now();
-        if now.view.bytes.is_none() {
-            now.trail.add(stream.checkpoint());
-            self.dirty.store(true, Ordering::Release);
-            if more == More::End {
-                now.view.bytes = Some(stream.offset());
-                drop(now);
-                self.changes.send_replace(());
-            }
-        }
-    }
-}
-
-/// A job that is being read, as long as this lives.
-pub struct Reading(Arc<Live>);
-
-impl Follow for Reading {
-    fn made(&self, stream: &Stream, more: More) {
-        self.0.note(stream, more);
-    }
-
-    fn handed(&self, offset: u64, lines: u32) {
-        self.0.change(|now| {
-            now.view.lines_delivered = now.view.lines_delivered.max(lines);
-            if now.view.bytes == Some(offset) && now.view.state != Phase::Done {
-                Live::enter(now, Phase::Done);
-                now.view.finished = Some(Timestamp::now());
-            }
-        });
-    }
-
-    fn stop(&self) -> bool {
-        self.0.deleted.load(Ordering::Relaxed)
-    }
-}
-
-impl Drop for Reading {
-    fn drop(&mut self) {
-        let last = self.0.readers.fetch_sub(1, Ordering::AcqRel) == 1;
-        self.0.change(|now| {
-            now.used = Timestamp::now();
-            if last && now.view.state == Phase::Reading {
-                Live::enter(now, Phase::Ready);
-            }
-        });
-    }
-}
-
-/// Follows a raster that is made to be measured.
-struct Measuring<'s> {
-    live: &'s Live,
-    service: &'s Service,
-}
-
-impl Follow for Measuring<'_> {
-    fn made(&self, stream: &Stream, more: More) {
-        self.live.note(stream, more);
-    }
-
-    fn handed(&self, _offset: u64, _lines: u32) {}
-
-    fn stop(&self) -> bool {
-        // A reader may have come to the end first.
-        self.live.deleted.load(Ordering::Relaxed) || self.service.ending.is_cancelled() || self.live.now().view.bytes.is_some()
-    }
-}
 
 /// The jobs of a service.
 pub struct Jobs {
@@ -491,57 +229,6 @@ pub async fn keep(service: Service) {
             }
         });
         let _ = work.await;
-    }
-}
-
-/// Measures rasters whose length is not known, oldest first, some at a time, until the service ends.
-pub async fn measure(service: Service) {
-    let mut under_way = tokio::task::JoinSet::new();
-    let mut measured: HashSet<String> = HashSet::new();
-    loop {
-        while let Some(result) = under_way.try_join_next() {
-            measured.remove(&result.unwrap_or_default());
-        }
-        if service.ending.is_cancelled() {
-            break;
-        }
-        let unknown = |live: &Arc<Live>| live.now().view.bytes.is_none() && live.now().view.state != Phase::Failed;
-        let waiting = service.jobs.lives().into_iter().filter(|live| !measured.contains(&live.id) && unknown(live));
-        for live in waiting.take(service.config.max_bands.saturating_sub(measured.len())).collect::<Vec<_>>() {
-            measured.insert(live.id.clone());
-            let service = service.clone();
-            under_way.spawn(async move {
-                measure_one(&service, &live).await;
-                live.id.clone()
-            });
-        }
-        tokio::select! {
-            Some(result) = under_way.join_next() => { measured.remove(&result.unwrap_or_default()); }
-            () = service.jobs.unmeasured.notified() => {}
-            () = service.ending.cancelled() => {}
-        }
-    }
-    while under_way.join_next().await.is_some() {}
-}
-
-async fn measure_one(service: &Service, live: &Arc<Live>) {
-    let drawing = match live.drawing(service).await {
-        Ok(drawing) => drawing,
-        Err(_) if live.deleted.load(Ordering::Relaxed) => return,
-        Err(problem) if problem.is_passing() => return tokio::time::sleep(Duration::from_secs(1)).await,
-        Err(problem) => return live.fail(problem.detail()),
-    };
-    let job = &drawing.drawing.job;
-    if let Some(length) = job.length(live.format) {
-        return live.change(|now| now.view.bytes = Some(length));
-    }
-    let from = live.now().trail.before(u64::MAX);
-    let Some(stream) = raster::stream(job, live.format, from) else {
-        // Checkpoints of another raster: they are of no use.
-        return live.change(|now| now.trail = Trail::default());
-    };
-    if let Err(what) = exhaust(service, stream, &Measuring { live, service }).await {
-        live.fail(&what);
     }
 }
 

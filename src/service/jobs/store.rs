@@ -44,7 +44,9 @@ impl Store {
     /// # Errors
     /// It cannot be written; another service uses it; it was made by a later version.
     pub fn open(folder: &Path) -> io::Result<Store> {
-        let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", folder.display()));
+        let at = |error: io::Error| {
+            io::Error::new(error.kind(), format!("{}: no folder for jobs: {error}; name another with --data", folder.display()))
+        };
         fs::create_dir_all(folder.join("documents")).and_then(|()| File::open(folder)?.sync_all()).map_err(at)?;
         let path = folder.join("jobs.sqlite");
         let rows = Connection::open(&path).and_then(|rows| {
