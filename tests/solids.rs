@@ -149,11 +149,19 @@ fn the_picture_is_that_of_every_pixel_by_itself() {
         };
         let stage = stage(&model, view, &sections);
         let expected = brute(&model, &stage);
-        for savings in [(true, true), (false, true), (true, false), (false, false)] {
-            let savings = Savings { spans: savings.0, hidden: savings.1 };
+        for switches in 0..16 {
+            let on = |switch: u32| switches >> switch & 1 == 1;
+            let savings = Savings { early: on(0), spans: on(1), hidden: on(2), lines: on(3) };
             let got = drawn(&stage, 0..stage.view.height, savings);
             assert_eq!(got.len(), expected.len());
             for (y, (got, expected)) in got.iter().zip(&expected).enumerate() {
+                if got != expected {
+                    for (x, (g, e)) in got.iter().zip(expected).enumerate() {
+                        if g != e {
+                            eprintln!("DBG round {round} line {y} x {x}: {g:?} not {e:?} {savings:?}");
+                        }
+                    }
+                }
                 assert_eq!(got, expected, "round {round}, line {y}, {savings:?}");
             }
         }

@@ -1,9 +1,13 @@
 //! From solids to what is seen of them: the same sweep as for plane shapes, and a count along depth.
 
+mod active;
 pub mod body;
 pub mod camera;
+mod cells;
 pub mod cut;
+mod seen;
 pub mod shade;
 pub mod spans;
 pub mod stage;
+pub mod timers;
 pub mod view;

@@ -20,9 +20,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::stage::{Crossing, Face, Stage};
+use super::active::{Active, Faces};
+use super::cells::{Cells, Known, Seen};
+use super::seen::Count;
+use super::stage::{Crossing, Stage};
+use super::timers::{Part, Timers};
 use super::view::Depth;
-use crate::count::{Counters, Node};
 use crate::sweep::{Scanline, Sweep};
 
 /// Pixels of a scanline that show one face.
@@ -41,23 +44,29 @@ pub struct Span {
 /// What is saved by knowing more than one scanline or span, each of which can be switched off: the spans do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Savings {
+    /// Counting ends at the first depth at which the model holds (4.2.3); if not, it goes on to the last.
+    pub early: bool,
     /// What is seen is taken from the span before where what is in front has not changed (4.3.1).
     pub spans: bool,
     /// Crossings behind the visible face end no span (4.3.2).
     pub hidden: bool,
+    /// What is seen is taken from the scanline above where that is alike (3.4.2, b1 to b4).
+    pub lines: bool,
 }
 
 impl Default for Savings {
     fn default() -> Savings {
-        Savings { spans: true, hidden: true }
+        Savings { early: true, spans: true, hidden: true, lines: true }
     }
 }
 
 /// What a walk has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Spans between columns of edges or crossings.
+    /// Spans between columns of edges or crossings that were looked at.
     pub spans: u64,
+    /// Spans between columns of edges that were taken from the scanline above.
+    pub kept: u64,
     /// Counts along depth.
     pub counts: u64,
     /// Spans that ended at a crossing of faces.
@@ -70,6 +79,7 @@ impl Cost {
     /// Adds what another walk has cost.
     pub fn add(&mut self, other: &Cost) {
         self.spans += other.spans;
+        self.kept += other.kept;
         self.counts += other.counts;
         self.crossings += other.crossings;
         self.peak_active = self.peak_active.max(other.peak_active);
@@ -83,67 +93,74 @@ pub struct Spans {
     sweep: Sweep<Crossing>,
     /// The edges of the scanline at hand by column: those of the sweep.
     repeat: Option<Scanline>,
-    /// How often the outline of each face has been passed.
-    turns: Vec<i32>,
-    /// Whether a face is in `active`.
-    listed: Vec<bool>,
-    /// Active faces with their nearness where they were looked at last, the nearest first.
-    active: Vec<Active>,
-    touched: Vec<u32>,
-    counters: Counters,
-    holds: bool,
-    /// Parents of every node.
-    parents: Parents,
-    /// What was in front of the visible face of the span before, that face's group too: leaf, turns, and whether it is as near as the one before.
-    front: Vec<(Node, i32, bool)>,
-    /// Which of the group that was, if any was visible.
-    seen: Option<usize>,
+    faces: Faces,
+    count: Count,
+    cells: Cells,
+    sight: Option<Sight>,
     spans: Vec<Span>,
     cost: Cost,
+    timers: Timers,
 }
 
+/// What is seen from a pixel to the right.
 #[derive(Clone, Copy, Debug)]
-struct Active {
-    face: u32,
-    plane: u32,
-    rank: u32,
-    near: i128,
+struct Sight {
+    seen: Seen,
+    /// The plane that is seen.
+    plane: Option<u32>,
+    /// The column behind the last in which it is seen, unless an edge changes that.
+    until: u32,
+    /// On how many pairs of faces that depends.
+    pairs: usize,
+    /// How many of the changes since the faces were listed are taken into account.
+    told: usize,
 }
+
+/// So many scanlines after a look downwards that did not pay the next is taken.
+const AGAIN: u32 = 8;
 
 impl Spans {
     /// The scanlines `rows` of a stage.
     pub fn new(stage: Arc<Stage>, rows: Range<u32>, savings: Savings) -> Spans {
-        let counters = Counters::new(&stage.program);
+        let faces = stage.faces.len();
         Spans {
             savings,
             sweep: Sweep::new(rows),
             repeat: None,
-            turns: vec![0; stage.faces.len()],
-            listed: vec![false; stage.faces.len()],
-            active: Vec::new(),
-            touched: Vec::new(),
-            holds: false,
-            parents: Parents::new(&stage),
-            counters,
-            front: Vec::new(),
-            seen: None,
+            faces: Faces::new(faces),
+            count: Count::new(&stage),
+            cells: Cells::new(if savings.lines { faces } else { 0 }),
+            sight: None,
             spans: Vec::new(),
             cost: Cost::default(),
+            timers: Timers::default(),
             stage,
         }
+    }
+
+    /// Takes the time of each part of the work from here on, which costs some itself.
+    pub fn time(&mut self) {
+        self.timers.start();
+    }
+
+    /// How long each part of the work has taken, if that is taken.
+    pub fn timers(&self) -> &Timers {
+        &self.timers
     }
 
     /// The next scanline and what it shows; none behind the last.
     #[expect(clippy::should_implement_trait, reason = "the spans are lent, not given")]
     pub fn next(&mut self) -> Option<(u32, &[Span])> {
-        let Scanline { y, n, .. } = match self.repeat.take() {
+        let scanline = match self.repeat.take() {
             Some(again) => again,
             None => self.sweep.next(&self.stage.edges)?,
         };
+        let Scanline { y, n, .. } = scanline;
         if n > 1 {
             self.repeat = Some(Scanline { y: y + 1, n: n - 1, changed: false });
         }
-        self.scanline(y);
+        self.timers.lap(Part::Edges);
+        self.scanline(&scanline);
         Some((y, &self.spans))
     }
 
@@ -157,187 +174,214 @@ impl Spans {
         self.sweep.list().len()
     }
 
-    fn scanline(&mut self, y: u32) {
+    fn scanline(&mut self, scanline: &Scanline) {
         let stage = self.stage.clone();
+        let width = stage.view.width;
         self.spans.clear();
-        self.active.clear();
-        self.seen = None;
         let edges = self.sweep.list().len();
         self.cost.peak_active = self.cost.peak_active.max(edges as u64);
+        if self.savings.lines {
+            if let Some(known) = self.cells.all(scanline, self.sweep.columns(), width) {
+                self.cost.kept += known.len() as u64;
+                let known = known.filter(|&(start, end, _)| start < end);
+                self.spans.extend(known.map(|(start, end, (face, inside))| Span { start, end, face, inside }));
+                self.timers.lap(Part::Spans);
+                return;
+            }
+            self.cells.start(scanline, &self.sweep);
+        }
+        self.count.forget();
+        self.sight = None;
         let mut i = 0;
         while i < edges {
             let column = self.sweep.columns()[i];
-            if column >= stage.view.width {
+            if column >= width {
                 break;
             }
+            let first = i;
             while i < edges && self.sweep.columns()[i] == column {
-                let Crossing { left, right, turns } = self.sweep.tags()[self.sweep.list()[i].slot()];
-                self.turn(left, turns);
-                self.turn(right, -turns);
+                let entry = self.sweep.list()[i];
+                self.faces.pass(self.sweep.tags()[entry.slot()]);
+                if self.savings.lines {
+                    self.cells.pass(entry, &self.sweep);
+                }
                 i += 1;
             }
-            self.list(&stage);
-            let end = self.sweep.columns().get(i).map_or(stage.view.width, |&next| next.min(stage.view.width));
-            if !self.active.is_empty() {
-                self.fill(&stage, y, column..end);
+            self.cell(&stage, scanline.y, first..i);
+        }
+        if self.savings.lines {
+            // What is beyond the page stays there for as long as its edges do.
+            let beyond = self.sweep.list()[i..].iter().map(|entry| self.sweep.until(entry.slot()));
+            self.cells.bound(beyond.min().unwrap_or(u32::MAX));
+        }
+        self.faces.clear();
+        self.timers.lap(Part::Faces);
+    }
+
+    /// Shows what is seen behind a group of edges that share a column, up to the next.
+    fn cell(&mut self, stage: &Stage, y: u32, group: Range<usize>) {
+        let width = stage.view.width;
+        let columns = self.sweep.columns();
+        let columns = columns[group.start]..columns.get(group.end).map_or(width, |&next| next.min(width));
+        let known = if self.savings.lines { self.cells.known(&group) } else { None };
+        let known = match known {
+            Some(known) if y < known.until => {
+                self.cost.kept += 1;
+                self.show(columns, known.seen);
+                self.sight = None;
+                known
             }
-        }
-        for active in self.active.drain(..) {
-            (self.turns[active.face as usize], self.listed[active.face as usize]) = (0, false);
-        }
-    }
-
-    fn turn(&mut self, face: u32, turns: i32) {
-        if let Some(all) = self.turns.get_mut(face as usize) {
-            *all += turns;
-            self.touched.push(face);
-        }
-    }
-
-    /// Lists the faces that became active, at the end, and drops those that are not any more.
-    fn list(&mut self, stage: &Stage) {
-        let mut gone = false;
-        for face in self.touched.drain(..) {
-            let (is, was) = (self.turns[face as usize] != 0, &mut self.listed[face as usize]);
-            if is && !*was {
-                let Face { plane, rank, .. } = stage.faces[face as usize];
-                self.active.push(Active { face, plane, rank, near: 0 });
-            }
-            gone |= !is && *was;
-            *was |= is;
-        }
-        if gone {
-            let (turns, listed) = (&self.turns, &mut self.listed);
-            self.active.retain(|active| {
-                let stays = turns[active.face as usize] != 0;
-                listed[active.face as usize] = stays;
-                stays
-            });
-        }
-    }
-
-    /// Shows what is seen on columns between which no edge is crossed.
-    fn fill(&mut self, stage: &Stage, y: u32, columns: Range<u32>) {
-        let mut start = columns.start;
-        while start < columns.end {
-            self.order(stage, start, y);
-            let (seen, front) = self.visible(stage);
-            let end = self.until(stage, start..columns.end, front, seen.is_some());
-            self.cost.spans += 1;
-            self.cost.crossings += u64::from(end < columns.end);
-            if let Some(seen) = seen {
-                let face = self.active[seen].face;
-                let inside = self.turns[face as usize] < 0;
-                match self.spans.last_mut() {
-                    Some(last) if (last.face, last.inside) == (face, inside) && last.end == start => last.end = end,
-                    _ => self.spans.push(Span { start, end, face, inside }),
+            _ => {
+                self.keep(stage, columns.start, y);
+                let again = known.is_some_and(|known| y >= known.again);
+                if again {
+                    self.sight = None;
+                }
+                let seen = self.fill(stage, y, columns.clone());
+                match seen {
+                    _ if !again => Known { again: known.map_or(y + 1, |known| known.again), ..Known::default() },
+                    Some((seen, pairs)) => Known { seen, until: self.below(stage, y, columns, &group, pairs), again: y + AGAIN },
+                    None => Known { again: y + AGAIN, ..Known::default() },
                 }
             }
+        };
+        if self.savings.lines {
+            self.cells.note(&group, known);
+        }
+        self.timers.lap(Part::Spans);
+    }
+
+    /// Looks whether what is seen left of a group of edges that was just passed is still seen behind it: nothing in front came or went, and what came is
+    /// behind (4.3.1).
+    fn keep(&mut self, stage: &Stage, column: u32, y: u32) {
+        let Some(sight) = self.sight.take().filter(|sight| column < sight.until && self.savings.spans && self.savings.hidden) else {
+            return;
+        };
+        let Some(visible) = sight.plane else { return };
+        let visible = &stage.depths[visible as usize];
+        let (near, mut until) = (visible.at(column, y), sight.until);
+        let news = self.faces.news(sight.told);
+        for &face in news {
+            if self.count.is_ahead(face) {
+                return;
+            }
+            if self.faces.turns(face) != 0 && !self.faces.is_listed(face) {
+                let behind = &stage.depths[stage.faces[face as usize].plane as usize];
+                let by = near - behind.at(column, y);
+                if by <= 0 {
+                    return;
+                }
+                until = parts(visible, behind, by, column..until);
+            }
+        }
+        self.sight = Some(Sight { until, told: sight.told + news.len(), ..sight });
+    }
+
+    fn show(&mut self, columns: Range<u32>, seen: Seen) {
+        let Some((face, inside)) = seen else { return };
+        match self.spans.last_mut() {
+            Some(last) if (last.face, last.inside) == (face, inside) && last.end == columns.start => last.end = columns.end,
+            _ => self.spans.push(Span { start: columns.start, end: columns.end, face, inside }),
+        }
+    }
+
+    /// Shows what is seen on columns between which no edge is crossed. Gives what is seen in all of them, if that is one thing that was looked at here, and on how many
+    /// pairs of faces it depends.
+    fn fill(&mut self, stage: &Stage, y: u32, columns: Range<u32>) -> Option<(Seen, usize)> {
+        let mut start = columns.start;
+        let mut whole = None;
+        while start < columns.end {
+            let sight = match self.sight {
+                Some(sight) if start < sight.until => sight,
+                _ => {
+                    let sight = self.look(stage, start, y);
+                    whole = (start == columns.start && columns.end <= sight.until).then_some((sight.seen, sight.pairs));
+                    *self.sight.insert(sight)
+                }
+            };
+            let end = sight.until.min(columns.end);
+            self.show(start..end, sight.seen);
+            self.cost.spans += 1;
+            self.cost.crossings += u64::from(end < columns.end);
             start = end;
         }
+        whole
     }
 
-    /// Brings the active faces into their order at a pixel: the nearest first, and among those equally near by rank, then by number.
-    fn order(&mut self, stage: &Stage, column: u32, row: u32) {
-        let key = |a: &Active| (std::cmp::Reverse(a.near), a.rank, a.face);
-        for i in 0..self.active.len() {
-            let mut moving = self.active[i];
-            moving.near = stage.depths[moving.plane as usize].at(column, row);
-            let mut to = i;
-            while to > 0 && key(&self.active[to - 1]) > key(&moving) {
-                self.active[to] = self.active[to - 1];
-                to -= 1;
-            }
-            self.active[to] = moving;
-        }
+    /// Puts the active faces in order at a pixel and looks which of them is seen, and how far to the right.
+    fn look(&mut self, stage: &Stage, column: u32, y: u32) -> Sight {
+        self.timers.lap(Part::Spans);
+        self.faces.listed(stage);
+        self.faces.order(stage, column, y);
+        self.timers.lap(Part::Faces);
+        let visible = self.count.visible(stage, &self.faces, self.savings);
+        self.cost.counts += u64::from(visible.counted);
+        self.timers.lap(Part::Count);
+        let shown = visible.seen.map(|seen| self.faces.list()[seen]);
+        let pairs = self.pairs(visible.front, shown.is_some());
+        let until = self.until(stage, column..stage.view.width, pairs);
+        let seen = shown.map(|shown| (shown.face, self.faces.turns(shown.face) < 0));
+        Sight { seen, plane: shown.map(|shown| shown.plane), until, pairs, told: 0 }
     }
 
-    /// Which of the active faces is seen, and how many there are up to the last that is as near: all, if none is.
-    fn visible(&mut self, stage: &Stage) -> (Option<usize>, usize) {
-        if self.savings.spans && self.is_as_before(stage) {
-            return (self.seen, self.front.len());
-        }
-        self.cost.counts += 1;
-        self.front.clear();
-        let (mut i, mut seen) = (0, None);
-        while i < self.active.len() && seen.is_none() {
-            let group = self.group(i);
-            self.count(stage, group.clone(), 1);
-            if self.holds {
-                seen = Some(self.candidate(stage, group.clone()));
-            }
-            i = group.end;
-        }
-        let front = i;
-        self.count(stage, 0..front, -1);
-        for k in 0..front {
-            let entry = self.entry(stage, k);
-            self.front.push(entry);
-        }
-        self.seen = seen;
-        (seen, front)
+    /// On how many neighbours' order it depends what is seen; all that are behind them must also stay behind the last.
+    fn pairs(&self, front: usize, seen: bool) -> usize {
+        if seen && self.savings.hidden { front } else { self.faces.list().len() }
     }
 
-    /// The faces that are as near as the one at `start`, from there on.
-    fn group(&self, start: usize) -> Range<usize> {
-        let near = self.active[start].near;
-        start..start + self.active[start..].iter().take_while(|active| active.near == near).count()
-    }
-
-    fn entry(&self, stage: &Stage, i: usize) -> (Node, i32, bool) {
-        let Active { face, near, .. } = self.active[i];
-        (stage.faces[face as usize].leaf, self.turns[face as usize], i > 0 && self.active[i - 1].near == near)
-    }
-
-    /// Whether what decided on the span before stands here too, and nothing else is as near as the face seen there.
-    fn is_as_before(&self, stage: &Stage) -> bool {
-        let Some(_) = self.seen else { return false };
-        let front = self.front.len();
-        front <= self.active.len()
-            && (0..front).all(|i| self.entry(stage, i) == self.front[i])
-            && (front == self.active.len() || self.active[front].near != self.active[front - 1].near)
-    }
-
-    /// Adds the turns of some active faces to the counters, times `sign`.
-    fn count(&mut self, stage: &Stage, faces: Range<usize>, sign: i32) {
-        for active in &self.active[faces] {
-            let face = active.face as usize;
-            self.counters.add(stage.faces[face].leaf, sign * self.turns[face]);
-        }
-        let holds = &mut self.holds;
-        self.counters.settle(&stage.program, |_, now| *holds = now);
-    }
-
-    /// Which of a group is shown that has just made the model hold: the first whose part made a difference up to the root.
-    fn candidate(&mut self, stage: &Stage, group: Range<usize>) -> usize {
-        let leaf = |active: &Active| stage.faces[active.face as usize].leaf;
-        let first = leaf(&self.active[group.start]);
-        if self.active[group.clone()].iter().all(|active| leaf(active) == first) {
-            return group.start;
-        }
-        let after = self.counters.truths().to_vec();
-        self.count(stage, group.clone(), -1);
-        let before = self.counters.truths().to_vec();
-        self.count(stage, group.clone(), 1);
-        let root = stage.program.output(0);
-        let made = |active: &Active| self.parents.leads(leaf(active), root, |node| before[node as usize] != after[node as usize]);
-        group.start + self.active[group].iter().position(made).unwrap_or(0)
+    /// The pairs of faces whose order must stay, with the faces equally near only if they are so everywhere.
+    fn ordered(&self, pairs: usize) -> impl Iterator<Item = (&Active, &Active)> {
+        let list = self.faces.list();
+        let (front, behind) = list.split_at(pairs);
+        let last = front.last().into_iter().flat_map(move |last| behind.iter().map(move |behind| (last, behind)));
+        front.windows(2).map(|pair| (&pair[0], &pair[1])).chain(last)
     }
 
     /// The first column in the range, behind its first, at which the order that decided on what is seen may be another; its end if there is none.
-    fn until(&mut self, stage: &Stage, columns: Range<u32>, front: usize, seen: bool) -> u32 {
-        let mut end = columns.end;
-        let mut bound = |first: &Active, second: &Active| {
+    fn until(&self, stage: &Stage, columns: Range<u32>, pairs: usize) -> u32 {
+        self.ordered(pairs).fold(columns.end, |end, (first, second)| {
             let [a, b] = [first, second].map(|active| &stage.depths[active.plane as usize]);
-            end = end.min(parts(a, b, first.near - second.near, columns.start..end));
-        };
-        let pairs = if seen && self.savings.hidden { front } else { self.active.len() };
-        self.active[..pairs].windows(2).for_each(|pair| bound(&pair[0], &pair[1]));
-        if pairs < self.active.len() {
-            let last = self.active[pairs - 1];
-            self.active[pairs..].iter().for_each(|behind| bound(&last, behind));
+            parts(a, b, first.near - second.near, columns.start..end)
+        })
+    }
+
+    /// The scanline up to which that order stays between the edge before these columns and the one behind them; they are all looked at on this one.
+    fn below(&self, stage: &Stage, y: u32, columns: Range<u32>, group: &Range<usize>, pairs: usize) -> u32 {
+        if self.faces.list().is_empty() {
+            return u32::MAX;
         }
-        end
+        let slot = |i: usize| self.sweep.list().get(i).map(|entry| entry.slot());
+        let (left, right) = (slot(group.end - 1), slot(group.end));
+        let until = [left, right].into_iter().flatten().fold(stage.view.height, |until, slot| until.min(self.sweep.until(slot)));
+        let rows = until - 1 - y;
+        if rows == 0 {
+            return until;
+        }
+        let column = |slot: Option<usize>| slot.map_or(stage.view.width, |slot| self.sweep.column_below(slot, rows));
+        let (left, right) = (column(left), column(right));
+        // Whole columns left of the edge before and right of the one behind, as seen from the first.
+        let from = |column: u32| i128::from(column) - i128::from(columns.start);
+        let (above, below) = ([-1, from(columns.end)], [from(left.min(right)) - 1, from(left.max(right))]);
+        let mut stays = rows;
+        for (first, second) in self.ordered(pairs) {
+            let [a, b] = [first, second].map(|active| &stage.depths[active.plane as usize]);
+            let (by, across, down) = (first.near - second.near, a.a - b.a, a.b - b.b);
+            if (by, across, down) == (0, 0, 0) {
+                continue;
+            }
+            let at =
+                |columns: [i128; 2], rows: u32| by + down * i128::from(rows) + across * if across > 0 { columns[0] } else { columns[1] };
+            let (top, bottom) = (at(above, 0), at(below, rows));
+            if top <= 0 {
+                return y + 1;
+            }
+            if bottom <= 0 {
+                // Least distances in depth of scanlines in between are not less than on a straight line from one to the other. In doubles, with more than their error taken off.
+                let safe = f64::from(rows) * (top as f64 / (top as f64 - bottom as f64)) * (1.0 - 1e-9);
+                stays = stays.min(safe as u32);
+            }
+        }
+        y + 1 + stays
     }
 }
 
@@ -356,35 +400,4 @@ fn parts(ahead: &Depth, behind: &Depth, by: i128, columns: Range<u32>) -> u32 {
     // The first n with by + slope n <= 0.
     let n = (by - slope - 1) / -slope;
     columns.start + n as u32
-}
-
-/// For every node of the program those that it feeds.
-struct Parents {
-    links: Vec<(Node, Node)>,
-}
-
-impl Parents {
-    fn new(stage: &Stage) -> Parents {
-        let mut links: Vec<(Node, Node)> = stage.program.links().map(|(child, parent, _)| (child, parent)).collect();
-        links.sort_unstable();
-        Parents { links }
-    }
-
-    /// Whether a path of nodes that all flipped leads from one to another.
-    fn leads(&self, from: Node, to: Node, flipped: impl Fn(Node) -> bool) -> bool {
-        let mut open = vec![from];
-        let mut seen = vec![];
-        while let Some(node) = open.pop() {
-            if !flipped(node) || seen.contains(&node) {
-                continue;
-            }
-            if node == to {
-                return true;
-            }
-            seen.push(node);
-            let first = self.links.partition_point(|link| link.0 < node);
-            open.extend(self.links[first..].iter().take_while(|link| link.0 == node).map(|link| link.1));
-        }
-        false
-    }
 }

@@ -129,6 +129,18 @@ impl<T: Copy> Sweep<T> {
         &self.slots.tags
     }
 
+    /// The scanline behind the last of the edge in a slot.
+    #[inline]
+    pub fn until(&self, slot: usize) -> u32 {
+        self.slots.actives[slot].until
+    }
+
+    /// The column of the edge in a slot so many scanlines below, if it reaches that far.
+    #[inline]
+    pub fn column_below(&self, slot: usize, rows: u32) -> u32 {
+        line::column(self.slots.at[slot].wrapping_add(self.slots.steps[slot].wrapping_mul(rows.into())))
+    }
+
     /// Whether the chain in a slot, which was active on the scanline above, has ended.
     #[inline]
     pub fn has_ended(&self, slot: usize) -> bool {
