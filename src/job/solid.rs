@@ -68,7 +68,7 @@ impl Job {
         if body.faces.is_empty() {
             warnings.push(Warning::input("the model is empty"));
         }
-        let stage = Stage::new(body, program, &leaves, view, &options.sections);
+        let stage = Stage::new(&body, program, &leaves, view, &options.sections);
         let colours = Colours::new(&stage, &model.parts, &options.scheme);
         Ok(Job {
             edges: stage.edges.len() as u64,
