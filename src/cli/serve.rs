@@ -79,6 +79,9 @@ struct Bounds {
     /// Edges of a drawing after flattening
     #[arg(long, value_name = "N", default_value_t = 20_000_000, env = "RUNSET_MAX_EDGES")]
     max_edges: u64,
+    /// Faces of a model, all parts together
+    #[arg(long, value_name = "N", default_value_t = 2_000_000, env = "RUNSET_MAX_FACES")]
+    max_faces: u64,
     /// Pixels of a raster
     #[arg(long, value_name = "N", default_value_t = 1 << 40, env = "RUNSET_MAX_PIXELS")]
     max_pixels: u64,
@@ -165,7 +168,7 @@ impl Serve {
             None => folder().ok_or_else(|| Failure::Usage("there is no home folder: name a folder for the jobs with --data".to_owned()))?,
         };
         let bounds = &self.limits;
-        let limits = Limits { input: self.limit.max_input, edges: bounds.max_edges, ..Limits::default() };
+        let limits = Limits { input: self.limit.max_input, edges: bounds.max_edges, faces: bounds.max_faces, ..Limits::default() };
         let or_cores = |n: Option<u32>| n.map_or(limits.threads, |n| n as usize);
         Ok(Config {
             token: self.token.clone(),

@@ -1,13 +1,14 @@
 //! `runset solid`: a CSG model, shown directly.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
 use runset::input::{ModelOptions, read_model};
-use runset::job::{Aov, Job, SolidOptions};
+use runset::job::{self, Aov, Job, Kept, SolidOptions};
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::shade::{SCHEMES, Scheme};
+use runset::solid::stage::Plane;
 
 use super::input::Source;
 use super::messages::{Ends, Failure};
@@ -22,6 +23,8 @@ Examples:
       all of the model, from the default camera
   runset solid part.csg --camera 30,-40,25,0,0,0 --imgsize 2048,2048 -o part.png
       from an eye to a point, as OpenSCAD's options have it
+  runset solid part.csg --section 0,0,1,5 -o inside.png
+      without what is above z = 5; --section 0,-1,0,0 takes away what is before the plane y = 0
   runset solid part.scad --aov depth=part.pfm --aov primitive=part.pgm -o part.ppm
       with depths and parts as numbers; a .scad needs openscad on the path
   runset solid part.csg --format rls | runset convert - -o part.png
@@ -42,11 +45,11 @@ pub struct Solid {
     output: Target,
 
     /// Size of the page in pixels
-    #[arg(long, value_name = "W,H", default_value = "512,512", value_parser = image_size)]
+    #[arg(long, value_name = "W,H", default_value = "512,512", value_parser = job::image_size)]
     imgsize: (u32, u32),
 
     /// Where the model is seen from: translate_x,y,z,rotate_x,y,z,distance or eye_x,y,z,center_x,y,z [default: from where all is seen]
-    #[arg(long, value_name = "NUMBERS", value_parser = camera, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NUMBERS", value_parser = job::camera, allow_hyphen_values = true)]
     camera: Option<Camera>,
 
     /// o: orthographic, p: perspective
@@ -64,6 +67,14 @@ pub struct Solid {
     /// Colours of what has none of its own
     #[arg(long, value_name = "NAME", default_value = SCHEMES[0].name, value_parser = scheme())]
     colorscheme: &'static Scheme,
+
+    /// Cut the model by a plane: what is at A x + B y + C z <= D stays, the side that (A, B, C) points to is taken away; may be given several times
+    #[arg(long, value_name = "A,B,C,D", value_parser = job::section, allow_hyphen_values = true)]
+    section: Vec<Plane>,
+
+    /// Only scanlines Y0 to Y1 - 1, counted from 0: what the whole picture holds there
+    #[arg(long, value_name = "Y0..Y1", value_parser = job::lines)]
+    lines: Option<Range<u32>>,
 
     /// How curved surfaces are drawn: facets, as OpenSCAD has them
     #[arg(long, value_name = "HOW", default_value = "facets")]
@@ -88,24 +99,6 @@ enum Projection {
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Curves {
     Facets,
-}
-
-fn image_size(text: &str) -> Result<(u32, u32), String> {
-    let size = text.split_once(',').and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
-    let fits = |&(w, h): &(u32, u32)| (1..=MAX_WIDTH).contains(&w) && (1..=MAX_HEIGHT).contains(&h);
-    size.filter(fits).ok_or_else(|| format!("give a width from 1 to {MAX_WIDTH} and a height from 1 to {MAX_HEIGHT}, such as 1024,768"))
-}
-
-fn camera(text: &str) -> Result<Camera, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
-    let numbers = numbers.unwrap_or_default();
-    match (<[f64; 7]>::try_from(&numbers[..]), <[f64; 6]>::try_from(&numbers[..])) {
-        (Ok(gimbal), _) if gimbal[6] > 0.0 => Ok(Camera::Gimbal(gimbal)),
-        (Ok(_), _) => Err("the last number is the distance: give one above 0".to_owned()),
-        (_, Ok(vector)) if vector[..3] != vector[3..] => Ok(Camera::Vector(vector)),
-        (_, Ok(_)) => Err("the eye is where it looks: give two points".to_owned()),
-        _ => Err("give seven numbers, translate_x,y,z,rotate_x,y,z,distance, or six, eye_x,y,z,center_x,y,z".to_owned()),
-    }
 }
 
 fn scheme() -> impl clap::builder::TypedValueParser<Value = &'static Scheme> {
@@ -147,6 +140,8 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let mut warnings = Vec::new();
     let model = read_model(&bytes, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
     drop(bytes);
+    let kept = Kept::new(&model, &mut warnings);
+    drop(model);
     let (width, height) = args.imgsize;
     let setup = Setup {
         camera: args.camera,
@@ -156,11 +151,12 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
         width,
         height,
     };
-    let options = SolidOptions { setup, scheme: *args.colorscheme, started, ..SolidOptions::default() };
-    let job = Job::solid(&model, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let options = SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), lines: args.lines.clone(), started };
+    let job = Job::solid(&kept, &options).map_err(|error| ends.failure(&error))?;
+    drop(kept);
     ends.warn(&warnings, args.work.strict)?;
 
-    let mut progress = Progress::new(&args.work.watch, Some(height), output.is_terminal());
+    let mut progress = Progress::new(&args.work.watch, Some(job.header().height()), output.is_terminal());
     let stats = job.render(format, limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);
     for (aov, out) in &mut numbers {

@@ -36,7 +36,7 @@ pub fn read(bytes: Vec<u8>, limits: &Limits, warnings: &mut Vec<Warning>) -> Res
 /// # Errors
 /// The document is not what it should be, or past a limit. `warnings` receives what is drawn but not supported.
 pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut Vec<Warning>) -> Result<Scene> {
-    let mut bytes = if bytes.starts_with(GZIP) { gunzip(bytes, limits)? } else { bytes };
+    let mut bytes = if bytes.starts_with(GZIP) { gunzip(&bytes, limits)? } else { bytes };
     if bytes.len() as u64 > limits.input {
         return Err(too_large(limits));
     }
@@ -63,10 +63,9 @@ pub fn read_with(bytes: Vec<u8>, limits: &Limits, fonts: &Fonts, warnings: &mut 
 /// How gzipped data begin.
 const GZIP: &[u8] = b"\x1f\x8b";
 
-#[expect(clippy::needless_pass_by_value, reason = "it is not needed any more")]
-fn gunzip(bytes: Vec<u8>, limits: &Limits) -> Result<Vec<u8>> {
+fn gunzip(bytes: &[u8], limits: &Limits) -> Result<Vec<u8>> {
     let mut text = Vec::new();
-    let mut within = flate2::bufread::MultiGzDecoder::new(&*bytes).take(limits.input.saturating_add(1));
+    let mut within = flate2::bufread::MultiGzDecoder::new(bytes).take(limits.input.saturating_add(1));
     match within.read_to_end(&mut text) {
         _ if text.len() as u64 > limits.input => Err(too_large(limits)),
         Ok(_) => Ok(text),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::reading::{Listed, Reading};
-use super::{csg, stl};
+use super::{GZIP, csg, gunzip, stl};
 use crate::error::{Error, Kind, Result, Warning};
 use crate::mesh::{IDENTITY, Model, Part};
 use crate::scene::{Formula, Limits};
@@ -36,12 +36,14 @@ pub fn read_model(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warni
     read_tree(bytes, options, warnings).map(|reading| reading.model)
 }
 
-/// Reads a model, whose kind is told by its bytes: an STL, binary or text, which is one part, or an OpenSCAD `.csg`.
+/// Reads a model, whose kind is told by its bytes: an STL, binary or text, which is one part, or an OpenSCAD `.csg`; either of them may be gzipped.
 ///
 /// # Errors
 /// With its place where there is one: the document is not what it should be, or past a limit. `warnings` receives what is left out or ignored.
 pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warning>) -> Result<Reading> {
     let limits = &options.limits;
+    let unpacked = if bytes.starts_with(GZIP) && !stl::is_binary(bytes) { Some(gunzip(bytes, limits)?) } else { None };
+    let bytes = unpacked.as_deref().unwrap_or(bytes);
     if bytes.len() as u64 > limits.input {
         return Err(Error::input(Kind::Limit, format!("the model is larger than {} bytes: raise --max-input", limits.input)));
     }

@@ -13,6 +13,7 @@ mod explain;
 mod extents;
 mod gather;
 mod info;
+mod kept;
 mod model;
 mod pump;
 mod queue;
@@ -21,16 +22,19 @@ mod size;
 mod solid;
 mod source;
 mod stream;
+mod view;
 
 pub use convert::convert;
 pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
+pub use kept::Kept;
 pub use model::{ModelEntry, ModelInfo, model_info};
 pub use size::{Size, lines};
-pub use solid::{Aov, SolidOptions};
+pub use solid::{Aov, MAX_SECTIONS, SolidOptions};
 use source::Source;
 pub use source::{Cost, Rows};
 pub use stream::{Checkpoint, More, Stream};
+pub use view::{camera, image_size, section};
 
 use std::io::Write;
 use std::ops::Range;
@@ -169,12 +173,7 @@ impl Job {
     /// A picture of those layers.
     fn of(scene: Scene, layers: &[Layer], options: &Options) -> Result<Job> {
         let page = options.size.page(scene.width, scene.height)?;
-        let lines = options.lines.clone().unwrap_or(0..page.height);
-        if lines.start >= lines.end || lines.end > page.height {
-            let Range { start, end } = lines;
-            let what = format!("lines {start}..{end} are not on the page: it has {0} lines, 0..{0}", page.height);
-            return Err(Error::parameter(what));
-        }
+        let lines = slice(options.lines.as_ref(), page.height)?;
 
         let outputs: Vec<_> = layers.iter().map(|layer| layer.area).collect();
         let builder = || Builder::new(page.width, page.height, page.placement, options.tolerance, options.limits.edges);
@@ -204,9 +203,13 @@ impl Job {
         &self.header
     }
 
-    /// Edges after flattening, before any is dropped.
-    pub fn edges(&self) -> u64 {
-        self.edges
+    /// About how many bytes it holds.
+    pub fn weight(&self) -> u64 {
+        /// Of an edge in the sweep's lists.
+        const EDGE: u64 = 64;
+        let Source::Solid(stage, _) = &self.source else { return EDGE * self.edges };
+        let of_faces = size_of_val(&stage.faces[..]) + size_of_val(&stage.depths[..]) + size_of_val(&stage.planes[..]);
+        EDGE * self.edges + of_faces as u64
     }
 
     /// The lines as runs, pulled from top to bottom. Lines that follow each other may be equal.
@@ -249,6 +252,15 @@ fn program(scene: &Scene, outputs: &[Area], page: &Builder) -> (Program, Vec<(us
         Shape { rule: FillRule::EvenOdd, .. } => Rule::Odd,
     };
     scene::compile(&scene.formula, scene.shapes.len(), outputs, rule)
+}
+
+/// The scanlines of a page that are asked for.
+fn slice(lines: Option<&Range<u32>>, height: u32) -> Result<Range<u32>> {
+    let Range { start, end } = lines.cloned().unwrap_or(0..height);
+    if start >= end || end > height {
+        return Err(Error::parameter(format!("lines {start}..{end} are not on the page: it has {height} lines, 0..{height}")));
+    }
+    Ok(start..end)
 }
 
 /// About 64 bands a page, a power of two of lines each, so that the number of bands follows the page's shape and not its resolution.

@@ -66,7 +66,8 @@ pub fn model_info(reading: &Reading, warnings: &mut Vec<Warning>) -> ModelInfo {
     }
 }
 
-fn bounds(placed: &Placed) -> Bounds<3> {
+/// The box of a part.
+pub(super) fn bounds(placed: &Placed) -> Bounds<3> {
     let used = placed.mesh.faces.iter().flat_map(|face| &face.rings).flatten();
     used.fold(None, |all, &i| Some(join(all, [placed.mesh.points[i as usize]; 2])))
 }

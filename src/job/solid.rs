@@ -1,19 +1,16 @@
 //! Models of solids: what `runset solid` draws.
 
 use std::io::Write;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::source::Source;
-use super::{Job, SolidStats, band_height, write};
-use crate::count::Rule;
-use crate::error::{Error, Result, Warning};
+use super::{Job, Kept, SolidStats, band_height, slice, write};
+use crate::error::{Error, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
-use crate::mesh::Model;
-use crate::mesh::check::all_placed;
 use crate::run::{Header, Inks};
-use crate::scene;
-use crate::solid::body::{Body, Plane};
+use crate::solid::body::Plane;
 use crate::solid::camera::{Camera, Setup};
 use crate::solid::shade::{Colours, SCHEMES, Scheme};
 use crate::solid::spans::{Savings, Spans};
@@ -26,15 +23,17 @@ pub struct SolidOptions {
     pub setup: Setup,
     /// Colours of what has none of its own.
     pub scheme: Scheme,
-    /// Planes that cut it: what is before them, in the direction of their normals, stays.
+    /// Planes that cut it: what is before them, in the direction of their normals, stays. At most [`MAX_SECTIONS`].
     pub sections: Vec<Plane>,
+    /// Only these scanlines.
+    pub lines: Option<Range<u32>>,
     /// When the work began.
     pub started: Instant,
 }
 
 impl Default for SolidOptions {
     fn default() -> SolidOptions {
-        SolidOptions { setup: Setup::default(), scheme: SCHEMES[0], sections: Vec::new(), started: Instant::now() }
+        SolidOptions { setup: Setup::default(), scheme: SCHEMES[0], sections: Vec::new(), lines: None, started: Instant::now() }
     }
 }
 
@@ -49,35 +48,36 @@ pub enum Aov {
     Normal,
 }
 
+/// Most planes that cut a model: each goes over all that is left of it.
+pub const MAX_SECTIONS: usize = 16;
+
 impl Job {
     /// A model in a view.
     ///
     /// # Errors
-    /// A page out of bounds; a camera that sees nothing.
-    pub fn solid(model: &Model, options: &SolidOptions, warnings: &mut Vec<Warning>) -> Result<Job> {
+    /// A page or a range of lines out of bounds; a camera that sees nothing; more than [`MAX_SECTIONS`].
+    pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
         let Setup { width, height, .. } = options.setup;
         if !(1..=MAX_WIDTH).contains(&width) || !(1..=MAX_HEIGHT).contains(&height) {
             let what = format!("the page would be {width} x {height} px: give 1 to {MAX_WIDTH} x 1 to {MAX_HEIGHT}");
             return Err(Error::parameter(what));
         }
         check(&options.setup)?;
-        let (program, leaves) = scene::compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
-        let body = Body::new(model, &all_placed(model, warnings));
-        let faces = body.faces.len() as u64;
-        let view = options.setup.view(body.bounds);
-        if body.faces.is_empty() {
-            warnings.push(Warning::input("the model is empty"));
+        if options.sections.len() > MAX_SECTIONS {
+            return Err(Error::parameter(format!("{} sections: give at most {MAX_SECTIONS}", options.sections.len())));
         }
-        let stage = Stage::new(body, program, &leaves, view, &options.sections);
-        let colours = Colours::new(&stage, &model.parts, &options.scheme);
+        let lines = slice(options.lines.as_ref(), height)?;
+        let Kept { body, program, leaves, colours, .. } = model;
+        let stage = Stage::new(body, program.clone(), leaves, options.setup.view(body.bounds), &options.sections);
+        let colours = Colours::new(&stage, colours, &options.scheme);
         Ok(Job {
             edges: stage.edges.len() as u64,
             source: Source::Solid(Arc::new(stage), Arc::new(colours)),
-            header: Header { width, lines: 0..height, inks: Inks::Shaded { paper: options.scheme.background }, dpi: None },
+            header: Header { width, lines, inks: Inks::Shaded { paper: options.scheme.background }, dpi: None },
             band: band_height(height),
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
-            solid: Some(SolidStats { faces, primitives: model.parts.len() as u64, ..SolidStats::default() }),
+            solid: Some(SolidStats { faces: model.faces(), primitives: model.parts(), ..SolidStats::default() }),
         })
     }
 
@@ -87,7 +87,7 @@ impl Job {
     /// What the writer says.
     pub fn aov(&self, aov: Aov, out: &mut dyn Write) -> Result<()> {
         let Source::Solid(stage, _) = &self.source else { return Ok(()) };
-        let [width, height] = [stage.view.width, stage.view.height];
+        let [width, height] = [self.header.width, self.header.height()];
         let head = match aov {
             Aov::Primitive => format!("P5\n{width} {height}\n65535\n"),
             Aov::Depth => format!("Pf\n{width} {height}\n-1.0\n"),

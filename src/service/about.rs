@@ -1,5 +1,7 @@
 //! What the service tells of itself: whether it lives and is ready, what it counts, and how it is described.
 
+use std::collections::HashSet;
+
 use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
@@ -65,12 +67,17 @@ pub fn describe(api: OpenApi) -> Value {
         .iter()
         .map(|format| (format.media_type.to_owned(), json!({ "schema": { "type": "string", "format": "binary" } })))
         .collect();
-    for (path, method) in [("/v1/fill", "post"), ("/v1/jobs/{id}/raster", "get")] {
+    for (path, method) in [("/v1/fill", "post"), ("/v1/solid", "post"), ("/v1/jobs/{id}/raster", "get")] {
         for status in ["200", "206"] {
             if let Some(answer) = api["paths"][path][method]["responses"].get_mut(status) {
                 answer["content"] = rasters.clone().into();
             }
         }
+    }
+    // Both kinds of jobs have some parameters, which are described once.
+    if let Some(parameters) = api["paths"]["/v1/jobs"]["post"]["parameters"].as_array_mut() {
+        let mut names = HashSet::new();
+        parameters.retain(|parameter| names.insert(parameter["name"].clone()));
     }
     // Of each event: its fields are text, and one of them holds a job.
     api["paths"]["/v1/jobs/{id}/events"]["get"]["responses"]["200"]["content"]["text/event-stream"]["schema"] = json!({

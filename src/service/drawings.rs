@@ -4,19 +4,16 @@
 //! ([`Config::max_drawings`]), and those that are only kept ([`Config::cache`]).
 
 use std::collections::HashMap;
-use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::Instant;
 
 use tokio::sync::{OnceCell, OwnedSemaphorePermit, Semaphore};
 
+use super::ask::Make;
 use super::config::Config;
 use super::meters;
 use super::problem::Problem;
 use crate::error::{Error, Kind, Warning};
-use crate::input;
-use crate::job::{Job, Options};
-use crate::scene::Scene;
+use crate::job::Job;
 
 /// What tells one prepared drawing from others: SHA-256 of the document and of all that is asked but its format.
 pub type Key = [u8; 32];
@@ -34,13 +31,9 @@ impl Drawing {
     /// About how many bytes it holds.
     fn weight(&self) -> u64 {
         const FEWEST: u64 = 64 << 10;
-        const EDGE: u64 = 64;
-        FEWEST + EDGE * self.job.edges()
+        FEWEST + self.job.weight()
     }
 }
-
-/// Where a drawing's document comes from, read when it is needed.
-pub type Source = Box<dyn FnOnce() -> io::Result<Vec<u8>> + Send>;
 
 /// The drawings that are there.
 pub struct Drawings {
@@ -105,13 +98,13 @@ impl Drawings {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The drawing of that key, prepared from its document if it is not there.
+    /// The drawing of that key, made if it is not there.
     ///
     /// # Errors
     /// What is wrong with the document or what is asked of it; too many wait.
-    pub async fn get(&self, key: Key, options: Options, source: Source) -> Result<Shared, Problem> {
+    pub async fn get(&self, key: Key, make: Make) -> Result<Shared, Problem> {
         let cell = self.cell(key);
-        let shared = match cell.get_or_try_init(|| self.prepare(options, source)).await {
+        let shared = match cell.get_or_try_init(|| self.prepare(make)).await {
             Ok(drawing) => Ok(Shared { drawing: drawing.clone(), _cell: cell }),
             Err(problem) => {
                 // Nothing of what failed stays.
@@ -134,15 +127,13 @@ impl Drawings {
         cell
     }
 
-    async fn prepare(&self, mut options: Options, source: Source) -> Result<Arc<Drawing>, Problem> {
+    async fn prepare(&self, make: Make) -> Result<Arc<Drawing>, Problem> {
         let places = self.places().await?;
         if self.weight() > self.config.max_drawings {
             return Err(Problem::busy("drawings", "the drawings being read fill the memory that is theirs: try again later", 10));
         }
         let config = self.config.clone();
-        options.limits = config.limits;
-        options.started = Instant::now();
-        places.work(move || prepare(&config, &options, source)).await.map(Arc::new)
+        places.work(move || prepare(&config, make)).await.map(Arc::new)
     }
 
     /// Has something done with a document, when there is a place among those who prepare.
@@ -202,31 +193,8 @@ impl Drawings {
     }
 }
 
-/// Reads a document that must be whole in itself.
-///
-/// # Errors
-/// What is wrong with it, or refused.
-pub fn read(config: &Config, bytes: Vec<u8>) -> Result<(Scene, Vec<Warning>), Problem> {
-    let mut warnings = Vec::new();
-    let scene = input::read_with(bytes, &config.limits, &config.fonts, &mut warnings)?;
-    if let Some(warning) = warnings.iter().find(|warning| warning.outside) {
-        let error =
-            Error { place: warning.place, ..Error::input(Kind::Refused, format!("{}: make the document whole in itself", warning.what)) };
-        return Err(error.into());
-    }
-    Ok((scene, warnings))
-}
-
-fn prepare(config: &Config, options: &Options, source: Source) -> Result<Drawing, Problem> {
-    let bytes = source().map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::internal(format!("a document cannot be read: {error}")),
-        _ => {
-            tracing::error!("a document cannot be read: {error}");
-            Problem::busy("store", "the document cannot be read at the moment: try again later", 5)
-        }
-    })?;
-    let (scene, mut warnings) = read(config, bytes)?;
-    let job = Job::prepare(scene, options, &mut warnings)?;
+fn prepare(config: &Config, make: Make) -> Result<Drawing, Problem> {
+    let (job, warnings) = make(config)?;
     let header = job.header();
     let pixels = u64::from(header.width) * u64::from(header.height());
     if pixels > config.max_pixels {

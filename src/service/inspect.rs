@@ -2,16 +2,15 @@
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::rejection::QueryRejection;
-use axum::extract::{Query, State};
+use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::drawings::read;
-use super::params::{Params, query_fault};
+use super::ask::scene;
+use super::params::{FillParams, Kind};
 use super::problem::{Details, Problem};
-use super::{Service, fill};
+use super::{Service, answer, params};
 use crate::job::{Explanation, Info, explain as how, info as names};
 
 /// A drawing's names, and what is drawn but not supported.
@@ -46,16 +45,16 @@ pub struct Nothing {}
 )]
 pub async fn info(
     State(service): State<Service>,
-    query: Result<Query<Nothing>, QueryRejection>,
+    RawQuery(query): RawQuery,
     headers: HeaderMap,
     body: Body,
 ) -> Result<Json<Names>, Problem> {
-    query.map_err(|rejection| Problem::malformed(query_fault(&rejection)))?;
-    let document = service.uploads.read(&service.config, &headers, body).await?;
+    params::read::<Nothing>(&query.unwrap_or_default())?;
+    let document = service.uploads.read(&service.config, Kind::Fill.documents(), &headers, body).await?;
     let work = service.drawings.work(move |config| {
         let _room = document.room;
-        let (scene, warnings) = read(config, document.bytes.into())?;
-        Ok(Names { info: names(&scene)?, warnings: warnings.iter().map(fill::said).collect() })
+        let (scene, warnings) = scene(config, document.bytes.into())?;
+        Ok(Names { info: names(&scene)?, warnings: warnings.iter().map(answer::said).collect() })
     });
     work.await.map(Json)
 }
@@ -68,7 +67,7 @@ pub async fn info(
     post,
     path = "/v1/explain",
     tag = "fill",
-    params(Params),
+    params(FillParams),
     request_body(description = "An SVG or a JSON scene, plain or gzipped", content((String = "image/svg+xml"), (serde_json::Value = "application/json"))),
     responses(
         (status = 200, description = "How they come about", body = Explanation),
@@ -80,17 +79,20 @@ pub async fn info(
         (status = 503, description = "Busy: try again later", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn explain(State(service): State<Service>, params: Params, headers: HeaderMap, body: Body) -> Result<Json<Explanation>, Problem> {
-    if params.kind.is_some() {
-        return Err(Problem::malformed("kind is for jobs: POST /v1/jobs"));
-    }
-    params.format(&HeaderMap::new())?;
+pub async fn explain(
+    State(service): State<Service>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Json<Explanation>, Problem> {
+    let params = FillParams::read(&query.unwrap_or_default())?;
+    params::format(params.format.as_deref(), "ndjson", &HeaderMap::new())?;
     let mut options = params.options()?;
-    let document = service.uploads.read(&service.config, &headers, body).await?;
+    let document = service.uploads.read(&service.config, Kind::Fill.documents(), &headers, body).await?;
     let work = service.drawings.work(move |config| {
         let _room = document.room;
         options.limits = config.limits;
-        let (scene, mut warnings) = read(config, document.bytes.into())?;
+        let (scene, mut warnings) = scene(config, document.bytes.into())?;
         Ok(how(scene, &options, &mut warnings)?)
     });
     work.await.map(Json)

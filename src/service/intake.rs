@@ -14,9 +14,6 @@ use super::config::Config;
 use super::meters;
 use super::problem::Problem;
 
-/// The kinds of documents that can be sent.
-pub const DOCUMENTS: [&str; 2] = ["image/svg+xml", "application/json"];
-
 /// Bytes that a permit of [`Uploads`] stands for.
 const UNIT: u64 = 64 << 10;
 
@@ -40,12 +37,12 @@ impl Uploads {
         Uploads(Arc::new(Semaphore::new(bytes.div_ceil(UNIT).min(u32::MAX.into()) as usize)))
     }
 
-    /// Reads a document.
+    /// Reads a document, whose media type is one of `kinds`.
     ///
     /// # Errors
-    /// Another kind of document than [`DOCUMENTS`]; too large; a body that stops; no room now.
-    pub async fn read(&self, config: &Config, headers: &HeaderMap, mut body: Body) -> Result<Document, Problem> {
-        check_type(headers)?;
+    /// Another kind of document; too large; a body that stops; no room now.
+    pub async fn read(&self, config: &Config, kinds: &[&str], headers: &HeaderMap, mut body: Body) -> Result<Document, Problem> {
+        check_type(kinds, headers)?;
         let length = headers.get(CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
         if length.is_some_and(|length| length > config.limits.input) {
             return Err(too_large(config));
@@ -76,21 +73,21 @@ impl Uploads {
             bytes.extend_from_slice(&data);
         }
         if bytes.is_empty() {
-            return Err(Problem::malformed("the body is empty: send an SVG or a JSON scene"));
+            return Err(Problem::malformed("the body is empty: send a document"));
         }
         Ok(Document { bytes: bytes.into(), digest: digest.finalize().into(), room })
     }
 }
 
-fn check_type(headers: &HeaderMap) -> Result<(), Problem> {
+fn check_type(kinds: &[&str], headers: &HeaderMap) -> Result<(), Problem> {
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let given = text(CONTENT_TYPE);
     let unsupported = |what: String| Err(Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", what));
     let known =
-        MediaType::parse(given).is_ok_and(|given| DOCUMENTS.iter().any(|known| given.essence().to_string().eq_ignore_ascii_case(known)));
+        MediaType::parse(given).is_ok_and(|given| kinds.iter().any(|known| given.essence().to_string().eq_ignore_ascii_case(known)));
     if !known {
         let given = if given.is_empty() { "there is no Content-Type".to_owned() } else { format!("the body is {given:?}") };
-        return unsupported(format!("{given}: send one of {}", DOCUMENTS.join(", ")));
+        return unsupported(format!("{given}: send one of {}", kinds.join(", ")));
     }
     // Gzipped documents are told by their first bytes, however they are announced.
     if !matches!(text(CONTENT_ENCODING).to_ascii_lowercase().as_str(), "" | "identity" | "gzip" | "x-gzip") {

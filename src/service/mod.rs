@@ -4,8 +4,10 @@
 //!   server      accepts, HTTP/1.1, ends            connection   times of a connection, stalled readers
 //!   access      token, origin, log                 problem      errors as RFC 9457
 //!   params      the query                          intake       the body
-//!   drawings    documents, prepared once           raster       a suspended sweep as a body
-//!   fill        POST /v1/fill                      jobs         stored, resumable at any byte
+//!   ask         what is made of a document         drawings     prepared once, shared
+//!   answer      a document in, its raster out      raster       a suspended sweep as a body
+//!   fill        POST /v1/fill                      solid        POST /v1/solid
+//!   jobs        stored, resumable at any byte
 //!   inspect     names of a drawing, how its lines come about
 //!   page        what a browser shows at /
 //!   about       health, metrics, OpenAPI
@@ -17,6 +19,8 @@
 
 mod about;
 mod access;
+mod answer;
+mod ask;
 mod config;
 mod connection;
 mod drawings;
@@ -32,6 +36,7 @@ mod problem;
 mod raster;
 mod rest;
 mod server;
+mod solid;
 
 pub use config::Config;
 pub use server::run;
@@ -107,6 +112,7 @@ impl Service {
 pub fn app(service: &Service) -> Router {
     let (router, api) = OpenApiRouter::with_openapi(about::api())
         .routes(routes!(fill::fill))
+        .routes(routes!(solid::solid))
         .routes(routes!(inspect::info))
         .routes(routes!(inspect::explain))
         .routes(routes!(jobs::list, jobs::create))

@@ -14,20 +14,21 @@
 //! In each face the boundary leaves through the plane as often as it comes back. All edges that close it there lie on one line, that of the face's plane and the
 //! cut's, so it does not matter which end is joined with which: where such edges run back over each other they have the same columns, and cancel.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use foldhash::fast::FixedState;
 
 use super::body::{Body, Edge, Face, Line, NOTHING, Plane, SAME};
 
-/// Cuts `body` by a plane: keeps what is at or before it in the direction of its normal.
-pub fn cut(body: &mut Body, plane: Plane) {
+/// Cuts `body` by a plane: keeps what is at or before it in the direction of its normal. Where nothing is behind the plane nothing is copied.
+pub fn cut(body: &mut Cow<'_, Body>, plane: Plane) {
     let height: Vec<f64> = body.points.iter().map(|p| plane.normal.dot(*p) - plane.offset).collect();
     if height.iter().all(|height| *height >= 0.0) {
         return;
     }
     let inside = |p: u32| height[p as usize] >= 0.0;
-    let Body { points, lines, planes, edges, faces, bounds, .. } = body;
+    let Body { points, lines, planes, edges, faces, bounds, .. } = body.to_mut();
     // A face that lies in the plane of the cut and its cap are equally near.
     let (least, most) = bounds.unwrap_or_default();
     let same = |known: &Plane| {

@@ -10,7 +10,6 @@ use glam::DVec3;
 
 use super::spans::{Cost, Savings, Span, Spans};
 use super::stage::Stage;
-use crate::mesh::Part;
 use crate::run::{Lines, Rgb, Run};
 
 /// Colours of what has none of its own.
@@ -63,8 +62,8 @@ const LIGHT: DVec3 = DVec3::new(-0.4, -0.65, -0.75);
 pub struct Colours(Vec<[u32; 2]>);
 
 impl Colours {
-    /// The colours of all faces of a stage of these parts.
-    pub fn new(stage: &Stage, parts: &[Part], scheme: &Scheme) -> Colours {
+    /// The colours of all faces of a stage whose parts have these, or none of their own.
+    pub fn new(stage: &Stage, parts: &[Option<Rgb>], scheme: &Scheme) -> Colours {
         let light = LIGHT.normalize();
         let colours = stage.faces.iter().map(|face| {
             let normal = stage.planes[face.plane as usize].normal;
@@ -73,7 +72,7 @@ impl Colours {
             // What is seen of a plane is turned to the eye, whichever side that is.
             let toward = if stage.is_toward(face.plane) { normal } else { -normal };
             let bright = AMBIENT + (1.0 - AMBIENT) * toward.dot(light).max(0.0);
-            let own = parts[face.part as usize].color;
+            let own = parts[face.part as usize];
             [own.unwrap_or(scheme.front), own.unwrap_or(scheme.back)].map(|colour| {
                 let [r, g, b] = colour.map(|c| (f64::from(c) * bright).round() as u32);
                 r << 16 | g << 8 | b

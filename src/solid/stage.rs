@@ -7,6 +7,7 @@
 // Corners rounded to 1/256 px, as those of plane shapes are, would move edges by up to 1/512 px against the depths of the faces that meet there: a face beside
 // the edge could then be nearer than the one that hides it, in single pixels along edges that lie in a face of another part.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -65,9 +66,10 @@ pub struct Stage {
 
 impl Stage {
     /// `body` in a view, cut by planes that keep what is before them. `leaves` are the counters of parts; other parts are not needed.
-    pub fn new(mut body: Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane]) -> Stage {
+    pub fn new(body: &Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane]) -> Stage {
         let mut leaf_of = vec![NOTHING; body.ranks.len()];
         leaves.iter().for_each(|&(part, leaf)| leaf_of[part] = leaf);
+        let mut body = Cow::Borrowed(body);
         sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
         let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
 
@@ -101,7 +103,7 @@ impl Stage {
             let part = face.part as usize;
             Face { plane: face.plane, leaf: leaf_of[part], part: face.part, rank: body.ranks[part] }
         });
-        Stage { view, edges: edges.finish(), faces: faces.collect(), depths, planes: body.planes, program, farthest }
+        Stage { view, edges: edges.finish(), faces: faces.collect(), depths, planes: body.planes.clone(), program, farthest }
     }
 
     /// Whether the normal of a plane points to the eye.

@@ -93,3 +93,59 @@ fn what_is_wrong_is_one_line_with_its_place() {
         assert!(!folder.path("m.png").exists());
     }
 }
+
+#[test]
+fn sections_take_away_the_side_that_their_normals_point_to() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    // By hand as above, in pixels of 2.486 units: without what is right of x = 0, and without what is above y = 0 as well.
+    let shown = |sections: &str| {
+        let out = folder.run(&format!("solid m.csg {ABOVE} --format pbm {sections}")).done().to_vec();
+        let rows: Vec<u16> = out.strip_prefix(b"P4\n16 16\n").unwrap().chunks(2).map(|row| u16::from_be_bytes([row[0], row[1]])).collect();
+        (rows[6], rows[7], rows[8], rows[9], rows.iter().map(|row| row.count_ones()).sum::<u32>())
+    };
+    assert_eq!(shown("--section 1,0,0,0"), (0b11 << 8, 0b10 << 8, 0b10 << 8, 0b11 << 8, 6));
+    assert_eq!(shown("--section -2,0,0,0"), (0b11 << 6, 0b01 << 6, 0b01 << 6, 0b11 << 6, 6));
+    assert_eq!(shown("--section 1,0,0,0 --section 0,1,0,0"), (0, 0, 0b10 << 8, 0b11 << 8, 3));
+    assert_eq!(shown("--section 0,0,1,-6"), (0, 0, 0, 0, 0), "nothing is left");
+    // The cap at z = 2 is 98 away.
+    folder.run(&format!("solid m.csg {ABOVE} --section 0,0,3,6 -o m.pbm --aov depth=d.pfm")).done();
+    let depths = folder.get("d.pfm");
+    let near = depths.strip_prefix(b"Pf\n16 16\n-1.0\n").unwrap().chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()));
+    let near: Vec<f32> = near.filter(|depth| depth.is_finite()).collect();
+    assert!(near.len() == 12 && near.iter().all(|depth| (depth - 98.0).abs() < 1e-4), "{near:?}");
+    for (section, what) in [
+        ("0,0,0,1", "a, b and c are all 0, so there is no plane: give the direction of the side that is taken away"),
+        ("0,0,1", "give four numbers a,b,c,d, such as 0,0,1,5: what is at a x + b y + c z <= d stays"),
+        ("0,0,inf,1", "give four numbers a,b,c,d, such as 0,0,1,5: what is at a x + b y + c z <= d stays"),
+    ] {
+        let line = format!("runset: invalid value '{section}' for '--section <A,B,C,D>': {what} (see runset solid --help)");
+        folder.run(&format!("solid m.csg --section {section} -o n.png")).refused(2, &line);
+    }
+    let many = "--section 0,0,1,5 ".repeat(17);
+    folder.run(&format!("solid m.csg {many} -o n.png")).refused(2, "runset: 17 sections: give at most 16 (see runset solid --help)");
+}
+
+#[test]
+fn slices_are_what_the_whole_holds_there() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    let view = "--imgsize 60,50 --section 1,1,0,2";
+    folder.run(&format!("solid m.csg {view} -o whole.ppm --aov primitive=whole.pgm --aov depth=whole.pfm")).done();
+    folder.run(&format!("solid m.csg {view} --lines 13..31 -o part.ppm --aov primitive=part.pgm --aov depth=part.pfm")).done();
+    for (name, head, pixel) in [("ppm", "P6\n60 H\n255\n", 3), ("pgm", "P5\n60 H\n65535\n", 2), ("pfm", "Pf\n60 H\n-1.0\n", 4)] {
+        let rows = |file: &str, height: usize| {
+            let bytes = folder.get(&format!("{file}.{name}"));
+            let rows = bytes.strip_prefix(head.replace('H', &height.to_string()).as_bytes()).unwrap().to_vec();
+            assert_eq!(rows.len(), height * 60 * pixel, "{file}.{name}");
+            rows
+        };
+        let (whole, part) = (rows("whole", 50), rows("part", 18));
+        // A PFM begins with the bottom row.
+        let first = if name == "pfm" { 50 - 31 } else { 13 };
+        assert!(whole[first * 60 * pixel..][..part.len()] == part, "{name}");
+    }
+    folder
+        .run("solid m.csg --lines 3..513 -o n.png")
+        .refused(2, "runset: lines 3..513 are not on the page: it has 512 lines, 0..512 (see runset solid --help)");
+}

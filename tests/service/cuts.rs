@@ -4,7 +4,7 @@ use std::io::Read;
 
 use runset::encode::FORMATS;
 
-use crate::support::{Folder, Rng, SCENE, Server, art, by_command_line, effort, header, triangle};
+use crate::support::{Folder, MODEL, Rng, SCENE, Server, art, by_command_line, effort, header, is_model, triangle};
 
 /// A drawing: its name, the document, options and their values.
 type Drawing = (&'static str, Vec<u8>, &'static [(&'static str, &'static str)]);
@@ -17,23 +17,25 @@ struct Target {
     bytes: Vec<u8>,
 }
 
-/// Jobs in all formats of several drawings, one ink and many, their rasters compared with the command line's.
+/// Jobs in all formats of several drawings, one ink and many, and of a model, their rasters compared with the command line's.
 fn targets(server: &Server) -> Vec<Target> {
     let poster = art("poster.svg");
-    let drawings: [Drawing; 5] = [
+    let drawings: [Drawing; 6] = [
         ("small", SCENE.into(), &[]),
         ("inks", poster.clone(), &[("width", "900")]),
         ("plate", poster, &[("width", "1500"), ("expr", "art & frame - logo")]),
         ("slice", art("scene.json"), &[("scale", "3"), ("lines", "100..700")]),
         ("triangle", triangle(300, 9000).into_bytes(), &[]),
+        ("model", MODEL.into(), &[("imgsize", "600,500"), ("section", "1,0,0,3"), ("lines", "20..480")]),
     ];
     let mut all = Vec::new();
     for (name, document, options) in &drawings {
         for format in FORMATS {
             let options = [*options, &[("format", format.name)]].concat();
+            let kind = if is_model(document) { "&kind=solid" } else { "" };
             let query: Vec<_> =
                 options.iter().map(|(key, value)| format!("{key}={}", value.replace('&', "%26").replace(' ', "%20"))).collect();
-            let job = server.job(&format!("?{}", query.join("&")), document) + "/raster";
+            let job = server.job(&format!("?{}{kind}", query.join("&")), document) + "/raster";
             let raster = server.get(&job).ok(200);
             let line: Vec<_> = options.iter().flat_map(|(key, value)| [format!("--{key}"), (*value).to_owned()]).collect();
             let bytes = by_command_line(document, &line.iter().map(String::as_str).collect::<Vec<_>>());

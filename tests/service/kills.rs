@@ -4,13 +4,14 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::support::{Folder, RUNSET, Rng, Server, art, by_command_line, effort, ids, triangle};
+use crate::support::{Folder, MODEL, RUNSET, Rng, Server, art, by_command_line, effort, ids, triangle};
 
 /// Documents with what is asked of them.
 fn works() -> Vec<(Vec<u8>, &'static str, Vec<&'static str>)> {
     vec![
         (art("poster.svg"), "?width=600&format=png", vec!["--width", "600", "--format", "png"]),
         (art("poster.svg"), "?width=300&format=ndjson", vec!["--width", "300", "--format", "ndjson"]),
+        (MODEL.into(), "?kind=solid&imgsize=300,200", vec!["--imgsize", "300,200"]),
         (triangle(3000, 4000).into_bytes(), "?format=rls", vec!["--format", "rls"]),
         (triangle(9000, 4000).into_bytes(), "?format=pbm", vec!["--format", "pbm"]),
     ]

@@ -13,6 +13,7 @@ mod kept;
 mod keys;
 mod kills;
 mod outside;
+mod solids;
 mod support;
 
 /// Nothing here is measured.

@@ -59,8 +59,17 @@ fn the_description_is_valid() {
     let described = server.get("/openapi.json").ok(200);
     let api = described.json();
     assert!(api["openapi"].as_str().unwrap().starts_with("3.1."));
-    for path in ["/v1/fill", "/v1/jobs", "/v1/jobs/{id}", "/v1/jobs/{id}/raster", "/v1/jobs/{id}/events", "/healthz", "/readyz", "/metrics"]
-    {
+    for path in [
+        "/v1/fill",
+        "/v1/solid",
+        "/v1/jobs",
+        "/v1/jobs/{id}",
+        "/v1/jobs/{id}/raster",
+        "/v1/jobs/{id}/events",
+        "/healthz",
+        "/readyz",
+        "/metrics",
+    ] {
         assert!(api["paths"][path].is_object(), "{path}");
     }
     if have("openapi-spec-validator", "the description read by others") {

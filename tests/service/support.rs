@@ -20,11 +20,42 @@ fn served() -> PathBuf {
 
 pub const SVG: &str = "image/svg+xml";
 pub const JSON: &str = "application/json";
+pub const CSG: &str = "text/plain";
+pub const STL: &str = "model/stl";
 
 /// Two squares of 8 x 8, the second half over the first, on a page of 16 x 10.
 pub const SCENE: &str = r#"{ "width": 16, "height": 10,
   "shapes": { "a": { "rings": [[[1, 1], [9, 1], [9, 9], [1, 9]]] }, "b": { "rings": [[[5, 1], [13, 1], [13, 9], [5, 9]]] } },
   "expr": "a - b" }"#;
+
+/// A block with a round hole, half of a ball and a bar in colour, at angles at which no two lines are the same.
+pub const MODEL: &str = "union() {
+  difference() {
+    cube(size = [10, 8, 6], center = true);
+    multmatrix([[1, 0, 0, 1], [0, 0.8, -0.6, 0], [0, 0.6, 0.8, 0], [0, 0, 0, 1]]) { cylinder(h = 20, r = 2, $fn = 24, center = true); }
+    multmatrix([[1, 0, 0, 5], [0, 1, 0, 4], [0, 0, 1, 3], [0, 0, 0, 1]]) { sphere(r = 3, $fn = 20); }
+  }
+  color([1, 0, 0.5]) { multmatrix([[0.8, -0.6, 0, -4], [0.6, 0.8, 0, -2], [0, 0, 1, 2], [0, 0, 0, 1]]) { cube(size = [12, 1, 1.5]); } }
+}
+";
+
+/// Whether a document is a model's.
+pub fn is_model(document: &[u8]) -> bool {
+    !matches!(document.trim_ascii_start().first(), Some(b'{' | b'<'))
+}
+
+/// A tetrahedron as a binary STL.
+pub fn tetrahedron() -> Vec<u8> {
+    let corners = [[0.0_f32, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
+    let mut stl = vec![b' '; 80];
+    stl.extend(4_u32.to_le_bytes());
+    for facet in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        stl.extend([0_u8; 12]);
+        facet.iter().for_each(|&i: &usize| corners[i].iter().for_each(|x| stl.extend(x.to_le_bytes())));
+        stl.extend([0_u8; 2]);
+    }
+    stl
+}
 
 /// How often the random laws are tried: `RUNSET_EFFORT` times as much as by default.
 pub fn effort(n: u64) -> u64 {
@@ -197,8 +228,17 @@ impl Server {
     }
 
     #[track_caller]
+    pub fn solid(&self, query: &str, kind: &str, document: impl AsRef<[u8]>) -> Answer {
+        self.ask("POST", &format!("/v1/solid{query}"), &[("content-type", kind)], document.as_ref())
+    }
+
+    #[track_caller]
     pub fn post_job(&self, query: &str, headers: &[(&str, &str)], document: impl AsRef<[u8]>) -> Answer {
-        let kind = if document.as_ref().starts_with(b"{") { JSON } else { SVG };
+        let kind = match document.as_ref() {
+            [b'{', ..] => JSON,
+            document if is_model(document) => CSG,
+            _ => SVG,
+        };
         self.ask("POST", &format!("/v1/jobs{query}"), &[headers, &[("content-type", kind)]].concat(), document.as_ref())
     }
 
@@ -324,12 +364,12 @@ pub fn wait_within(time: Duration, what: &str, mut holds: impl FnMut() -> bool) 
     start.elapsed()
 }
 
-/// What the command line makes of the same document.
+/// What the command line makes of the same document, a drawing or a model.
 pub fn by_command_line(document: &[u8], options: &[&str]) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("in");
     std::fs::write(&path, document).unwrap();
-    let output = Command::new(RUNSET).arg("fill").arg(&path).args(options).output().unwrap();
+    let output = Command::new(RUNSET).arg(if is_model(document) { "solid" } else { "fill" }).arg(&path).args(options).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
 }

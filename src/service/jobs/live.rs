@@ -196,7 +196,7 @@ impl Live {
     /// Its drawing, prepared.
     pub(super) async fn drawing(&self, service: &Service) -> Result<Shared, Problem> {
         let path = service.jobs.store.document(&self.id);
-        let drawing = service.drawings.get(self.key, self.params.options()?, Box::new(move || std::fs::read(path))).await;
+        let drawing = service.drawings.get(self.key, self.params.ask()?.of(Box::new(move || std::fs::read(path)))).await;
         // Its document may have been deleted in between.
         drawing.map_err(|problem| service.jobs.find(&self.id).err().unwrap_or(problem))
     }

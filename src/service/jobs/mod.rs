@@ -24,8 +24,7 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::rejection::QueryRejection;
-use axum::extract::{FromRequestParts, Path, Query, State};
+use axum::extract::{FromRequestParts, Path, RawQuery, State};
 use axum::http::header::LOCATION;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
@@ -41,9 +40,9 @@ use self::live::{Change, Live, Phase, Record, View};
 use self::store::{Row, Store};
 use self::trail::Trail;
 use super::config::Config;
-use super::params::{Kind, Params};
+use super::params::{self, FillParams, Kind, Params, SolidParams};
 use super::problem::{Details, Problem};
-use super::{Service, fill, meters};
+use super::{Service, answer, meters};
 use crate::encode;
 
 /// The client's key of a request that may be sent again.
@@ -83,7 +82,7 @@ impl Jobs {
                 tracing::error!("the job {} has a format that is not known: {}", row.id, record.view.format);
                 continue;
             };
-            let tag = fill::tag(&record.key, &config.fonts, format);
+            let tag = answer::tag(&record.key, &config.fonts, format);
             let same = tag == record.tag;
             let trail = if same { Trail::from_bytes(&row.trail) } else { Trail::default() };
             let live = Live::new(Record { tag, ..record }, format, trail);
@@ -264,8 +263,8 @@ pub struct ListParams {
         (status = 400, description = "The query is malformed", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn list(State(service): State<Service>, params: Result<Query<ListParams>, QueryRejection>) -> Result<Json<List>, Problem> {
-    let Query(params) = params.map_err(|rejection| Problem::malformed(super::params::query_fault(&rejection)))?;
+pub async fn list(State(service): State<Service>, RawQuery(query): RawQuery) -> Result<Json<List>, Problem> {
+    let params: ListParams = params::read(&query.unwrap_or_default())?;
     let limit = params.limit.unwrap_or(PAGE);
     if !(1..=1000).contains(&limit) {
         return Err(Problem::malformed(format!("limit is {limit}: give a whole number from 1 to 1000")));
@@ -280,18 +279,19 @@ pub async fn list(State(service): State<Service>, params: Result<Query<ListParam
 
 /// Store a document, and what is to be made of it
 ///
-/// It is checked as by `POST /v1/fill`, and stored durably before the answer. The same `Idempotency-Key` with the same request gives the same job; with another
+/// It is checked as by `POST /v1/fill` or, with `kind=solid`, by `POST /v1/solid`, whose parameters are then those that count, and stored durably before the answer. The same `Idempotency-Key` with the same request gives the same job; with another
 /// request it is refused.
 #[utoipa::path(
     post,
     path = "/v1/jobs",
     tag = "jobs",
     params(
-        Params,
+        FillParams,
+        SolidParams,
         ("kind" = inline(Option<Kind>), Query, description = "What is made of the document"),
         ("Idempotency-Key" = Option<String>, Header, description = "Names the request, so that it can be sent again"),
     ),
-    request_body(description = "An SVG or a JSON scene, plain or gzipped", content((String = "image/svg+xml"), (serde_json::Value = "application/json"))),
+    request_body(description = "An SVG or a JSON scene, or a model, plain or gzipped", content((String = "image/svg+xml"), (serde_json::Value = "application/json"), (String = "text/plain"), (String = "model/stl"))),
     responses(
         (status = 201, description = "Accepted and stored", body = View, headers(("location" = String, description = "The job's address"))),
         (status = 400, description = "The query or the document is malformed", body = Details, content_type = "application/problem+json"),
@@ -303,18 +303,24 @@ pub async fn list(State(service): State<Service>, params: Result<Query<ListParam
         (status = 507, description = "The disk or the store is full", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn create(State(service): State<Service>, params: Params, headers: HeaderMap, body: Body) -> Result<Response, Problem> {
+pub async fn create(
+    State(service): State<Service>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Response, Problem> {
+    let params = Params::of_job(&query.unwrap_or_default())?;
     // The raster's format: what is accepted here is the answer's.
-    let (format, options) = (params.format(&HeaderMap::new())?, params.options()?);
+    let (format, ask) = (params.format(&HeaderMap::new())?, params.ask()?);
     let idempotency_key = headers.get(IDEMPOTENCY_KEY).map(idempotency_key).transpose()?;
-    let document = service.uploads.read(&service.config, &headers, body).await?;
-    let (key, bytes) = (fill::key(&document.digest, &params), document.bytes.clone());
-    let shared = service.drawings.get(key, options, Box::new(move || Ok(bytes.into()))).await?;
+    let document = service.uploads.read(&service.config, params.kind().documents(), &headers, body).await?;
+    let (key, bytes) = (params.key(&document.digest), document.bytes.clone());
+    let shared = service.drawings.get(key, ask.of(Box::new(move || Ok(bytes.into())))).await?;
     let header = shared.drawing.job.header();
     let now = Timestamp::now();
     let view = View {
         id: uuid::Uuid::now_v7().simple().to_string(),
-        kind: params.kind.unwrap_or(Kind::Fill),
+        kind: params.kind(),
         state: Phase::Ready,
         format: format.name.to_owned(),
         width: header.width,
@@ -325,10 +331,10 @@ pub async fn create(State(service): State<Service>, params: Params, headers: Hea
         created: now,
         finished: None,
         error: None,
-        warnings: shared.drawing.warnings.iter().map(fill::said).collect(),
+        warnings: shared.drawing.warnings.iter().map(answer::said).collect(),
         history: vec![Change { state: Phase::Ready, at: now }],
     };
-    let tag = fill::tag(&key, &service.config.fonts, format);
+    let tag = answer::tag(&key, &service.config.fonts, format);
     let record = Record { view, params, key, size: document.bytes.len() as u64, tag, idempotency_key, used: now };
     let accepted = tokio::task::spawn_blocking(move || {
         service.jobs.accept(&service.config, Live::new(record, format, Trail::default()), &document.bytes)

@@ -86,7 +86,7 @@ pub async fn read(
     };
     let from = job.seek(live.format, first).or_else(|| live.now().trail.before(first));
     let stream = stream(job, live.format, from).ok_or_else(|| Problem::internal("a checkpoint that is none of this raster"))?;
-    meters::render("fill", live.format.name);
+    meters::render(live.params.kind().name(), live.format.name);
     let skip = first - stream.offset();
     let raster = Raster::new(service, shared, stream, place, connection.map(|c| c.0)).part(skip, end - first);
     *response.body_mut() = raster.timed(started).followed(Arc::new(live.read())).into_body();

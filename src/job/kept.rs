@@ -1,0 +1,71 @@
+//! A model that was read and identified, to be seen from anywhere: [`Job::solid`](super::Job::solid) makes a view of it and reads nothing again.
+
+use super::extents::Extents;
+use super::model::bounds;
+use crate::count::{Node, Program, Rule};
+use crate::error::Warning;
+use crate::mesh::Model;
+use crate::mesh::check::all_placed;
+use crate::run::Rgb;
+use crate::scene;
+use crate::solid::body::{Body, Edge, Face, Line, Plane};
+
+/// A model with identity and its counting program, in no view yet.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    pub(super) body: Body,
+    pub(super) program: Program,
+    /// The counters of the parts that are needed.
+    pub(super) leaves: Vec<(usize, Node)>,
+    /// Colours of the parts, of those that have one.
+    pub(super) colours: Vec<Option<Rgb>>,
+    bounds: Option<[[f64; 3]; 2]>,
+}
+
+impl Kept {
+    /// Closes and turns the parts and finds which of their points, lines and planes are the same. `warnings` receives what is wrong with the meshes.
+    pub fn new(model: &Model, warnings: &mut Vec<Warning>) -> Kept {
+        let (program, leaves) = scene::compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
+        let placed = all_placed(model, warnings);
+        let of_parts: Vec<_> = placed.iter().map(bounds).collect();
+        let body = Body::new(model, &placed);
+        if body.faces.is_empty() {
+            warnings.push(Warning::input("the model is empty"));
+        }
+        Kept {
+            body,
+            program,
+            leaves,
+            colours: model.parts.iter().map(|part| part.color).collect(),
+            bounds: Extents::new(&model.formula, &of_parts).of(model.area),
+        }
+    }
+
+    /// How many parts it has.
+    pub fn parts(&self) -> u64 {
+        self.colours.len() as u64
+    }
+
+    /// Faces of all parts.
+    pub fn faces(&self) -> u64 {
+        self.body.faces.len() as u64
+    }
+
+    /// Least and greatest x, y, z of a box that it stays within; none if it is empty.
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.bounds
+    }
+
+    /// About how many bytes it holds.
+    pub fn weight(&self) -> u64 {
+        /// Of a part: counters with their links, colour, rank.
+        const PART: usize = 64;
+        let Body { points, lines, planes, edges, faces, .. } = &self.body;
+        let geometry = size_of_val(&points[..])
+            + lines.len() * size_of::<Line>()
+            + planes.len() * size_of::<Plane>()
+            + edges.len() * size_of::<Edge>()
+            + faces.len() * size_of::<Face>();
+        (geometry + self.colours.len() * PART) as u64
+    }
+}
