@@ -68,7 +68,8 @@ impl Setup {
             Camera::Vector([ex, ey, ez, x, y, z]) => {
                 let (eye, target) = (DVec3::new(ex, ey, ez), DVec3::new(x, y, z));
                 let forward = (target - eye).normalize_or(DVec3::NEG_Z);
-                let right = forward.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::X);
+                // Straight down x is to the right, straight up to the left, as OpenSCAD has it.
+                let right = forward.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::X * -forward.z);
                 (target, (target - eye).length(), [right, forward.cross(right), forward])
             }
         };
