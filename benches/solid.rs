@@ -19,7 +19,8 @@ use runset::mesh::check::all_placed;
 use runset::scene::compile;
 use runset::solid::body::Body;
 use runset::solid::camera::{Camera, Setup};
-use runset::solid::spans::{Cost, Savings, Spans};
+use runset::solid::savings::Savings;
+use runset::solid::spans::{Cost, Spans};
 use runset::solid::stage::Stage;
 
 use measure::{Times, ms};
@@ -54,6 +55,9 @@ struct Arguments {
     /// How often each is timed.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     runs: u32,
+    /// What is not to be saved: boxes, early, spans, hidden, lines.
+    #[arg(long, value_delimiter = ',', value_name = "WHAT,...")]
+    without: Vec<String>,
     /// List the workloads and stop.
     #[arg(long)]
     list: bool,
@@ -68,6 +72,8 @@ fn main() -> Result<()> {
     if arguments.list {
         return Ok(solids::names().iter().try_for_each(|name| writeln!(out, "{name}"))?);
     }
+    let on = |name: &str| !arguments.without.iter().any(|other| other == name);
+    let savings = Savings { boxes: on("boxes"), early: on("early"), spans: on("spans"), hidden: on("hidden"), lines: on("lines") };
     writeln!(
         out,
         "{:16} {:>5} {:>8} {:>17} {:>17} {:>17} {:>8} {:>9} {:>9} {:>9} {:>6}",
@@ -80,14 +86,14 @@ fn main() -> Result<()> {
             let [eye, target] = solid.camera;
             let camera = Camera::Vector([eye[0], eye[1], eye[2], target[0], target[1], target[2]]);
             let setup = Setup { camera: Some(camera), width: size, height: size, ..Setup::default() };
-            line(&name, &solid.model, &setup, arguments.runs, &mut out)?;
+            line(&name, &solid.model, &setup, savings, arguments.runs, &mut out)?;
         }
     }
     Ok(())
 }
 
 /// Times one workload in one view and writes its line of the table.
-fn line(name: &str, model: &Model, setup: &Setup, runs: u32, out: &mut impl Write) -> Result<()> {
+fn line(name: &str, model: &Model, setup: &Setup, savings: Savings, runs: u32, out: &mut impl Write) -> Result<()> {
     let placed = all_placed(model, &mut Vec::new());
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
     let mut times: [Times; 3] = Default::default();
@@ -97,10 +103,10 @@ fn line(name: &str, model: &Model, setup: &Setup, runs: u32, out: &mut impl Writ
         let [bodies, stages, walks] = if run == 0 { &mut warming } else { &mut times };
         let body = bodies.time(|| Body::new(model, &placed));
         let (view, program) = (setup.view(body.bounds), program.clone());
-        let stage = Arc::new(stages.time(|| Stage::new(body, program, &leaves, view, &[])));
+        let stage = Arc::new(stages.time(|| Stage::new(&body, program, &leaves, view, &[], savings)));
         faces = stage.faces.len();
         cost = walks.time(|| {
-            let mut spans = Spans::new(stage, 0..setup.height, Savings::default());
+            let mut spans = Spans::new(stage, 0..setup.height, savings);
             while let Some(line) = spans.next() {
                 std::hint::black_box(line);
             }

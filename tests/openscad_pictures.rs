@@ -84,7 +84,8 @@ fn ours(shot: &Shot) -> RgbImage {
     let options = ModelOptions { folder: shot.csg.parent().map(Path::to_owned), ..ModelOptions::default() };
     let mut model = read_model(&std::fs::read(&shot.csg).unwrap(), &options, &mut warnings).unwrap();
     model.parts.iter_mut().for_each(|part| part.color = None);
-    let job = Job::solid(&model, &SolidOptions { setup: shot.setup, ..SolidOptions::default() }, &mut warnings).unwrap();
+    let kept = Kept::new(&model, &mut warnings);
+    let job = Job::solid(&kept, &SolidOptions { setup: shot.setup, ..SolidOptions::default() }).unwrap();
     assert!(warnings.iter().all(|w| w.what.contains("is empty") || w.what.contains("open edges")), "{}: {warnings:?}", shot.name);
     let (mut colours, mut normals) = (Vec::new(), Vec::new());
     job.render(by_name("ppm").unwrap(), 1, &mut colours, &mut |_| ()).unwrap();

@@ -11,7 +11,8 @@ use runset::mesh::Model;
 use runset::mesh::check::all_placed;
 use runset::scene::{Area, Formula, Gate, compile};
 use runset::solid::body::{Body, Plane};
-use runset::solid::spans::{Savings, Spans};
+use runset::solid::savings::Savings;
+use runset::solid::spans::Spans;
 use runset::solid::stage::Stage;
 use runset::solid::view::{Projection, View};
 use runset::sweep::Sweep;
@@ -21,9 +22,13 @@ fn effort() -> u64 {
 }
 
 fn stage(model: &Model, view: View, sections: &[Plane]) -> Arc<Stage> {
+    stage_with(model, view, sections, Savings::default())
+}
+
+fn stage_with(model: &Model, view: View, sections: &[Plane], savings: Savings) -> Arc<Stage> {
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
     let _: &Program = &program;
-    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections))
+    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections, savings))
 }
 
 /// What a pixel shows: part, face, nearness.
@@ -147,26 +152,18 @@ fn the_picture_is_that_of_every_pixel_by_itself() {
         } else {
             Vec::new()
         };
-        let stage = stage(&model, view, &sections);
-        let expected = brute(&model, &stage);
-        for switches in 0..16 {
-            let on = |switch: u32| switches >> switch & 1 == 1;
-            let savings = Savings { early: on(0), spans: on(1), hidden: on(2), lines: on(3) };
-            let got = drawn(&stage, 0..stage.view.height, savings);
+        let [all, clipped] = [0, !0].map(|bits| stage_with(&model, view, &sections, Savings::from_bits(bits)));
+        let expected = brute(&model, &all);
+        for bits in 0..32 {
+            let savings = Savings::from_bits(bits);
+            let got = drawn(if savings.boxes { &clipped } else { &all }, 0..view.height, savings);
             assert_eq!(got.len(), expected.len());
             for (y, (got, expected)) in got.iter().zip(&expected).enumerate() {
-                if got != expected {
-                    for (x, (g, e)) in got.iter().zip(expected).enumerate() {
-                        if g != e {
-                            eprintln!("DBG round {round} line {y} x {x}: {g:?} not {e:?} {savings:?}");
-                        }
-                    }
-                }
                 assert_eq!(got, expected, "round {round}, line {y}, {savings:?}");
             }
         }
-        let half = stage.view.height / 2;
-        let below = drawn(&stage, half..stage.view.height, Savings::default());
+        let half = view.height / 2;
+        let below = drawn(&clipped, half..view.height, Savings::default());
         assert_eq!(below[..], expected[half as usize..], "a band");
         pixels += expected.iter().flatten().count();
         shown += expected.iter().flatten().flatten().count();

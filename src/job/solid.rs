@@ -12,8 +12,9 @@ use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
 use crate::run::{Header, Inks};
 use crate::solid::body::Plane;
 use crate::solid::camera::{Camera, Setup};
+use crate::solid::savings::Savings;
 use crate::solid::shade::{Colours, SCHEMES, Scheme};
-use crate::solid::spans::{Savings, Spans};
+use crate::solid::spans::Spans;
 use crate::solid::stage::Stage;
 
 /// What is asked of a model.
@@ -68,7 +69,7 @@ impl Job {
         }
         let lines = slice(options.lines.as_ref(), height)?;
         let Kept { body, program, leaves, colours, .. } = model;
-        let stage = Stage::new(body, program.clone(), leaves, options.setup.view(body.bounds), &options.sections);
+        let stage = Stage::new(body, program.clone(), leaves, options.setup.view(body.bounds), &options.sections, Savings::default());
         let colours = Colours::new(&stage, colours, &options.scheme);
         Ok(Job {
             edges: stage.edges.len() as u64,

@@ -2,9 +2,11 @@
 
 mod active;
 pub mod body;
+mod boxes;
 pub mod camera;
 mod cells;
 pub mod cut;
+pub mod savings;
 mod seen;
 pub mod shade;
 pub mod spans;

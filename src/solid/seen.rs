@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::active::{Active, Faces};
-use super::spans::Savings;
+use super::savings::Savings;
 use super::stage::Stage;
 use crate::count::{Counters, Node};
 

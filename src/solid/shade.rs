@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::spans::{Cost, Savings, Span, Spans};
+use super::savings::Savings;
+use super::spans::{Cost, Span, Spans};
 use super::stage::Stage;
 use crate::run::{Lines, Rgb, Run};
 

@@ -22,6 +22,7 @@ use std::sync::Arc;
 
 use super::active::{Active, Faces};
 use super::cells::{Cells, Known, Seen};
+use super::savings::Savings;
 use super::seen::Count;
 use super::stage::{Crossing, Stage};
 use super::timers::{Part, Timers};
@@ -39,25 +40,6 @@ pub struct Span {
     pub face: u32,
     /// Whether it is seen from inside of its part: that part is taken away there.
     pub inside: bool,
-}
-
-/// What is saved by knowing more than one scanline or span, each of which can be switched off: the spans do not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Savings {
-    /// Counting ends at the first depth at which the model holds (4.2.3); if not, it goes on to the last.
-    pub early: bool,
-    /// What is seen is taken from the span before where what is in front has not changed (4.3.1).
-    pub spans: bool,
-    /// Crossings behind the visible face end no span (4.3.2).
-    pub hidden: bool,
-    /// What is seen is taken from the scanline above where that is alike (3.4.2, b1 to b4).
-    pub lines: bool,
-}
-
-impl Default for Savings {
-    fn default() -> Savings {
-        Savings { early: true, spans: true, hidden: true, lines: true }
-    }
 }
 
 /// What a walk has cost.

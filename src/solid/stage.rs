@@ -13,7 +13,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::body::{Body, NOTHING};
+use super::boxes::{Extent, live};
 use super::cut::cut;
+use super::savings::Savings;
 use super::view::{Depth, Projection, SAMPLE, View};
 use crate::count::{Node, Program};
 use crate::line::{FRACTION, Line};
@@ -66,7 +68,7 @@ pub struct Stage {
 
 impl Stage {
     /// `body` in a view, cut by planes that keep what is before them. `leaves` are the counters of parts; other parts are not needed.
-    pub fn new(body: &Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane]) -> Stage {
+    pub fn new(body: &Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane], savings: Savings) -> Stage {
         let mut leaf_of = vec![NOTHING; body.ranks.len()];
         leaves.iter().for_each(|&(part, leaf)| leaf_of[part] = leaf);
         let mut body = Cow::Borrowed(body);
@@ -75,7 +77,7 @@ impl Stage {
 
         let rows: Vec<u32> = body.points.iter().map(|p| row(view.screen(*p)[1], view.height)).collect();
         let lines: Vec<Sloping> = body.lines.iter().map(|line| Sloping::new(view.passes(line))).collect();
-        let needed = |face: u32| face != NOTHING && leaf_of[body.faces[face as usize].part as usize] != NOTHING;
+        let clips = clips(&body, &program, leaves, &view, savings);
 
         let mut edges = Edges::default();
         let mut pieces = Vec::new();
@@ -84,14 +86,15 @@ impl Stage {
             for face in [edge.left, edge.right].into_iter().filter(|face| *face != NOTHING) {
                 inside[body.faces[face as usize].plane as usize] = edge.from;
             }
-            let [from, to] = [edge.from, edge.to].map(|p| rows[p as usize]);
-            if from == to || !needed(edge.left) {
+            let Clip { columns, rows: alive } = &clips[body.faces[edge.left as usize].part as usize];
+            let [from, to] = [edge.from, edge.to].map(|p| rows[p as usize].clamp(alive.start, alive.end));
+            if from == to || columns.is_empty() {
                 continue;
             }
             let turns = if from < to { 1 } else { -1 };
             let across = from.min(to)..from.max(to);
             let first = across.start;
-            lines[edge.line as usize].edges(across, view.width, &mut pieces);
+            lines[edge.line as usize].edges(across, columns, &mut pieces);
             if pieces.iter().any(|piece| !piece.line.is_vertical() || piece.line.column() < view.width) {
                 edges.add(first, pieces.drain(..), Crossing { left: edge.left, right: edge.right, turns });
             }
@@ -114,6 +117,57 @@ impl Stage {
             Projection::Orthographic { .. } => normal.dot(self.view.axes[2]) < 0.0,
         }
     }
+}
+
+/// The columns and rows of the page on which a part is needed.
+struct Clip {
+    columns: Range<u32>,
+    rows: Range<u32>,
+}
+
+/// Pixels that boxes are made larger on each side, and distances in terms of their own size: much more than rounding takes.
+const ROOM: [f64; 3] = [1.0, 1.0, 1e-6];
+
+/// Where the parts are needed: all of the page for those in the tree, or only where they matter.
+fn clips(body: &Body, program: &Program, leaves: &[(usize, Node)], view: &View, savings: Savings) -> Vec<Clip> {
+    let mut clips: Vec<Clip> = body.ranks.iter().map(|_| Clip { columns: 0..0, rows: 0..0 }).collect();
+    let page = [view.width, view.height];
+    if !savings.boxes {
+        leaves.iter().for_each(|&(part, _)| clips[part] = Clip { columns: 0..page[0], rows: 0..page[1] });
+        return clips;
+    }
+    let mut own = vec![Extent::EMPTY; body.ranks.len()];
+    for edge in &body.edges {
+        let extent = &mut own[body.faces[edge.left as usize].part as usize];
+        for p in [edge.from, edge.to].map(|p| body.points[p as usize]) {
+            let ([x, y], z) = (view.screen(p), view.camera(p).z);
+            *extent = extent.hull(Extent([x, y, z].map(|at| [at, at])));
+        }
+    }
+    for extent in own.iter_mut().filter(|extent| !extent.is_empty()) {
+        for ([least, most], room) in extent.0.iter_mut().zip(ROOM) {
+            let room = room * f64::max(1.0, if room < 1.0 { least.abs().max(most.abs()) } else { 1.0 });
+            (*least, *most) = (*least - room, *most + room);
+        }
+    }
+    let mut part_of = vec![0; program.leaves()];
+    leaves.iter().for_each(|&(part, leaf)| part_of[leaf as usize] = part);
+    let live = live(program, |leaf| own[part_of[leaf as usize]], program.output(0));
+    for &(part, leaf) in leaves {
+        let (live, own) = (live[leaf as usize], own[part]);
+        if live.is_empty() {
+            continue;
+        }
+        // A side at which nothing is cut off is that of the page.
+        let range = |i: usize| {
+            let ([least, most], [own_least, own_most], page) = (live.0[i], own.0[i], page[i]);
+            let start = if least > own_least { least.clamp(0.0, page.into()) as u32 } else { 0 };
+            let end = if most < own_most { most.ceil().clamp(0.0, page.into()) as u32 } else { page };
+            start..end
+        };
+        clips[part] = Clip { columns: range(0), rows: range(1) };
+    }
+    clips
 }
 
 /// The first scanline that is looked at below a height, in pixels.
@@ -141,13 +195,14 @@ impl Sloping {
         self.at + self.step * i128::from(row) + (1 << FRACTION) - 1
     }
 
-    /// Appends the edges that it makes on `rows`, with columns within the page.
-    fn edges(self, rows: Range<u32>, width: u32, edges: &mut Vec<Edge>) {
-        let side = |row: u32| (self.at(row) >> FRACTION).clamp(0, i128::from(width));
+    /// Appends the edges that it makes on `rows`, with columns not outside of `columns`: what is left of them is at their start, what is right at their end.
+    fn edges(self, rows: Range<u32>, columns: &Range<u32>, edges: &mut Vec<Edge>) {
+        let (least, most) = (i128::from(columns.start), i128::from(columns.end));
+        let side = |row: u32| (self.at(row) >> FRACTION).clamp(least, most);
         let mut start = rows.start;
         while start < rows.end {
             let here = side(start);
-            let outside = |side: i128| side == 0 || side == i128::from(width);
+            let outside = |side: i128| side == least || side == most;
             // It leaves a side once: find where.
             let (mut same, mut past) = (start, rows.end);
             while past - same > 1 {
