@@ -13,10 +13,11 @@
 //! 3  region  solid  input  encode   runs of a page; spans of a model; readers; writers
 //! 2  edge  mesh  scene       edge builders; polyhedra; shapes, expression, page, limits
 //! 1  sweep  shape            active edges in column order; paths, fill rules, strokes, flattening
-//! 0  grid  line  count  bits  run  checksum  error
+//! 0  grid  line  count  bits  bounds  run  checksum  error
 //! ```
 
 pub mod bits;
+pub mod bounds;
 pub mod checksum;
 pub mod count;
 pub mod edge;

@@ -23,7 +23,7 @@ use glam::DVec3;
 use image::RgbImage;
 use runset::encode::by_name;
 use runset::input::{ModelOptions, read_model};
-use runset::job::{Aov, Job, SolidOptions};
+use runset::job::{Aov, Job, Kept, SolidOptions};
 use runset::mesh::check::all_placed;
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::shade::SCHEMES;

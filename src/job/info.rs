@@ -1,6 +1,7 @@
 //! What a document holds: its names with their bounds and edges.
 
-use super::extents::{Bounds, Extents, join};
+use super::extents::Extents;
+use crate::bounds::{Bounds, join};
 use crate::edge::Placement;
 use crate::error::Result;
 use crate::grid::NEAR;
@@ -60,7 +61,7 @@ pub fn info(scene: &Scene) -> Result<Info> {
         let transform = shape.transform.then_place(unplaced.scale, unplaced.offset);
         shape.rings(&transform, &how, |part| {
             edges += part.xs.len() as u64;
-            part.points().for_each(|[x, y]| bounds = Some(join(bounds, [[x, y]; 2])));
+            part.points().for_each(|[x, y]| bounds = join(bounds, Some([[x, y]; 2])));
             Ok(())
         })?;
         Ok((bounds, edges))

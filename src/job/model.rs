@@ -1,6 +1,7 @@
 //! What a model holds: its tree with primitives, faces and bounds.
 
-use super::extents::{Bounds, Extents, join};
+use super::extents::Extents;
+use crate::bounds::{Bounds, join};
 use crate::error::Warning;
 use crate::input::Reading;
 use crate::mesh::check::{Placed, all_placed};
@@ -69,5 +70,5 @@ pub fn model_info(reading: &Reading, warnings: &mut Vec<Warning>) -> ModelInfo {
 /// The box of a part.
 pub(super) fn bounds(placed: &Placed) -> Bounds<3> {
     let used = placed.mesh.faces.iter().flat_map(|face| &face.rings).flatten();
-    used.fold(None, |all, &i| Some(join(all, [placed.mesh.points[i as usize]; 2])))
+    used.fold(None, |all, &i| join(all, Some([placed.mesh.points[i as usize]; 2])))
 }

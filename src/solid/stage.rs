@@ -13,10 +13,11 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::body::{Body, NOTHING};
-use super::boxes::{Extent, live};
+use super::boxes::live;
 use super::cut::cut;
 use super::savings::Savings;
 use super::view::{Depth, Projection, SAMPLE, View};
+use crate::bounds::{Bounds, join};
 use crate::count::{Node, Program};
 use crate::line::{FRACTION, Line};
 use crate::sweep::{Edge, Edges};
@@ -125,8 +126,9 @@ struct Clip {
     rows: Range<u32>,
 }
 
-/// Pixels that boxes are made larger on each side, and distances in terms of their own size: much more than rounding takes.
-const ROOM: [f64; 3] = [1.0, 1.0, 1e-6];
+/// By how many pixels boxes are larger on each side, and by how much of the distance: much more than rounding takes.
+const AROUND: f64 = 1.0;
+const AROUND_DISTANCE: f64 = 1e-6;
 
 /// Where the parts are needed: all of the page for those in the tree, or only where they matter.
 fn clips(body: &Body, program: &Program, leaves: &[(usize, Node)], view: &View, savings: Savings) -> Vec<Clip> {
@@ -136,33 +138,29 @@ fn clips(body: &Body, program: &Program, leaves: &[(usize, Node)], view: &View, 
         leaves.iter().for_each(|&(part, _)| clips[part] = Clip { columns: 0..page[0], rows: 0..page[1] });
         return clips;
     }
-    let mut own = vec![Extent::EMPTY; body.ranks.len()];
+    let mut own: Vec<Bounds<3>> = vec![None; body.ranks.len()];
     for edge in &body.edges {
-        let extent = &mut own[body.faces[edge.left as usize].part as usize];
+        let bounds = &mut own[body.faces[edge.left as usize].part as usize];
         for p in [edge.from, edge.to].map(|p| body.points[p as usize]) {
             let ([x, y], z) = (view.screen(p), view.camera(p).z);
-            *extent = extent.hull(Extent([x, y, z].map(|at| [at, at])));
+            *bounds = join(*bounds, Some([[x, y, z]; 2]));
         }
     }
-    for extent in own.iter_mut().filter(|extent| !extent.is_empty()) {
-        for ([least, most], room) in extent.0.iter_mut().zip(ROOM) {
-            let room = room * f64::max(1.0, if room < 1.0 { least.abs().max(most.abs()) } else { 1.0 });
-            (*least, *most) = (*least - room, *most + room);
+    for [least, most] in own.iter_mut().flatten() {
+        for i in 0..3 {
+            let room = if i < 2 { AROUND } else { AROUND_DISTANCE * least[i].abs().max(most[i].abs()) };
+            (least[i], most[i]) = (least[i] - room, most[i] + room);
         }
     }
     let mut part_of = vec![0; program.leaves()];
     leaves.iter().for_each(|&(part, leaf)| part_of[leaf as usize] = part);
     let live = live(program, |leaf| own[part_of[leaf as usize]], program.output(0));
     for &(part, leaf) in leaves {
-        let (live, own) = (live[leaf as usize], own[part]);
-        if live.is_empty() {
-            continue;
-        }
+        let (Some(live), Some(own)) = (live[leaf as usize], own[part]) else { continue };
         // A side at which nothing is cut off is that of the page.
         let range = |i: usize| {
-            let ([least, most], [own_least, own_most], page) = (live.0[i], own.0[i], page[i]);
-            let start = if least > own_least { least.clamp(0.0, page.into()) as u32 } else { 0 };
-            let end = if most < own_most { most.ceil().clamp(0.0, page.into()) as u32 } else { page };
+            let start = if live[0][i] > own[0][i] { live[0][i].clamp(0.0, page[i].into()) as u32 } else { 0 };
+            let end = if live[1][i] < own[1][i] { live[1][i].ceil().clamp(0.0, page[i].into()) as u32 } else { page[i] };
             start..end
         };
         clips[part] = Clip { columns: range(0), rows: range(1) };
