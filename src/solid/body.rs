@@ -18,11 +18,9 @@
 //! Edges are winged ("CSG", section 4.1): an edge knows the face on each of its sides. In an open mesh, or where more than two faces meet, an edge has one
 //! face and nothing on its other side.
 
-use std::collections::HashMap;
-
-use foldhash::fast::FixedState;
 use glam::DVec3;
 
+use super::same::{Space, ordered};
 use crate::mesh::check::Placed;
 use crate::mesh::{Mesh, Model};
 use crate::run::Rgb;
@@ -136,8 +134,7 @@ impl Raw {
             .iter()
             .fold(None, |bounds: Option<(DVec3, DVec3)>, &p| Some(bounds.map_or((p, p), |(least, most)| (least.min(p), most.max(p)))));
         let (least, most) = bounds.unwrap_or_default();
-        let size = (most - least).length().max(f64::MIN_POSITIVE);
-        let space = Space { middle: (least + most) / 2.0, size, same: SAME * size };
+        let space = Space::new(least, most);
 
         let (points, point_of) = space.distinct_points(&points);
         corners.iter_mut().for_each(|corner| *corner = point_of[*corner as usize]);
@@ -165,23 +162,23 @@ impl Raw {
         }
         let (planes, plane_of) = space.distinct_planes(&points, &flat);
         let faces: Vec<Face> = flat.iter().zip(plane_of).map(|(face, plane)| Face { plane, part: face.part }).collect();
-        let mut edges = winged(&flat);
-        let lines = space.distinct_lines(&points, &mut edges);
+        let mut edges = winged(points.len(), &flat);
+        let lines = space.distinct_lines(&points, &faces, &mut edges);
         let ranks = ranks(model, &points, &flat);
         Body { points, lines, planes, edges, faces, ranks, bounds }
     }
 }
 
 /// A face while it is looked at.
-struct Flat {
+pub(super) struct Flat {
     part: u32,
     rings: Vec<Vec<u32>>,
     /// Half of the sum of cross products: along the normal, as long as the area.
-    area: DVec3,
+    pub(super) area: DVec3,
 }
 
 impl Flat {
-    fn corners(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
         self.rings.iter().flatten().copied()
     }
 }
@@ -193,221 +190,70 @@ fn vector_area(points: &[DVec3], ring: &[u32]) -> DVec3 {
     ring.windows(2).map(|pair| from_first(pair[0]).cross(from_first(pair[1]))).sum::<DVec3>() / 2.0
 }
 
-/// The edges of faces, two faces at each where they meet in opposite directions.
-fn winged(faces: &[Flat]) -> Vec<Edge> {
-    let mut halves: Vec<(u32, u32, bool, u32)> = Vec::new();
-    for (face, index) in faces.iter().zip(0..) {
-        for ring in &face.rings {
-            let next = ring.iter().skip(1).chain(ring.first());
-            halves.extend(ring.iter().zip(next).map(|(&from, &to)| (from.min(to), from.max(to), from > to, index)));
-        }
+/// The edges of faces between so many points, two faces at each where they meet in opposite directions.
+fn winged(points: usize, faces: &[Flat]) -> Vec<Edge> {
+    let halves = || {
+        faces.iter().zip(0..).flat_map(|(face, index)| {
+            face.rings.iter().flat_map(move |ring| {
+                let next = ring.iter().skip(1).chain(ring.first());
+                ring.iter().zip(next).map(move |(&from, &to)| (from, to, index))
+            })
+        })
+    };
+    // By the lesser of their ends, spread over as many buckets as there are points.
+    let mut ends = vec![0_u32; points + 1];
+    halves().for_each(|(from, to, _)| ends[from.min(to) as usize + 1] += 1);
+    for i in 0..points {
+        ends[i + 1] += ends[i];
     }
+    let mut spread = vec![(0, false, 0); ends[points] as usize];
+    let mut filled = ends.clone();
+    for (from, to, face) in halves() {
+        let place = &mut filled[from.min(to) as usize];
+        spread[*place as usize] = (from.max(to), from > to, face);
+        *place += 1;
+    }
+    let mut edges = Vec::with_capacity(spread.len() / 2 + 1);
     // Of one part in order, so that parts that touch keep their own edges.
-    let part = |half: &(u32, u32, bool, u32)| faces[half.3 as usize].part;
-    halves.sort_unstable_by_key(|half| (half.0, half.1, part(half), half.2, half.3));
-    let mut edges = Vec::with_capacity(halves.len() / 2 + 1);
-    for same in halves.chunk_by(|a, b| (a.0, a.1, part(a)) == (b.0, b.1, part(b))) {
-        let (there, back) = same.split_at(same.partition_point(|half| !half.2));
-        let both = there.len().min(back.len());
-        edges.extend(there.iter().zip(back).map(|(a, b)| Edge { from: a.0, to: a.1, line: 0, left: a.3, right: b.3 }));
-        edges.extend(there[both..].iter().map(|a| Edge { from: a.0, to: a.1, line: 0, left: a.3, right: NOTHING }));
-        edges.extend(back[both..].iter().map(|b| Edge { from: b.1, to: b.0, line: 0, left: b.3, right: NOTHING }));
+    let part = |half: &(u32, bool, u32)| faces[half.2 as usize].part;
+    for (least, bucket) in (0..).zip(ends.windows(2)) {
+        let halves = &mut spread[bucket[0] as usize..bucket[1] as usize];
+        halves.sort_unstable_by_key(|half| (half.0, part(half), half.1, half.2));
+        for same in halves.chunk_by(|a, b| (a.0, part(a)) == (b.0, part(b))) {
+            let (there, back) = same.split_at(same.partition_point(|half| !half.1));
+            let (most, both) = (same[0].0, there.len().min(back.len()));
+            edges.extend(there.iter().zip(back).map(|(a, b)| Edge { from: least, to: most, line: 0, left: a.2, right: b.2 }));
+            edges.extend(there[both..].iter().map(|a| Edge { from: least, to: most, line: 0, left: a.2, right: NOTHING }));
+            edges.extend(back[both..].iter().map(|b| Edge { from: most, to: least, line: 0, left: b.2, right: NOTHING }));
+        }
     }
     edges
 }
 
-/// Corners of a part in an order of their own.
-type Corners = Vec<[u64; 3]>;
-
 /// Parts in an order of their own: by what they are, then by their place in the document.
 fn ranks(model: &Model, points: &[DVec3], faces: &[Flat]) -> Vec<u32> {
-    let parts = model.parts.iter().zip(0..);
-    let mut keys: Vec<(Corners, Option<Rgb>, u32)> = parts.map(|(part, i)| (Corners::new(), part.color, i)).collect();
+    // Sums of well-mixed numbers of their distinct corners: any order will do that depends on nothing else.
+    let mut keys: Vec<(u64, Option<Rgb>, u32)> = model.parts.iter().zip(0..).map(|(part, i)| (0, part.color, i)).collect();
+    let mut last = vec![NOTHING; points.len()];
     for face in faces {
-        keys[face.part as usize].0.extend(face.corners().map(|c| points[c as usize].to_array().map(ordered)));
+        for corner in face.corners() {
+            if std::mem::replace(&mut last[corner as usize], face.part) != face.part {
+                let mixed = points[corner as usize].to_array().iter().fold(0, |seed, &x| mix(seed ^ ordered(x)));
+                let key = &mut keys[face.part as usize].0;
+                *key = key.wrapping_add(mixed);
+            }
+        }
     }
-    keys.iter_mut().for_each(|key| {
-        key.0.sort_unstable();
-        key.0.dedup();
-    });
     keys.sort_unstable();
     let mut ranks = vec![0; keys.len()];
     keys.iter().zip(0..).for_each(|(key, rank)| ranks[key.2 as usize] = rank);
     ranks
 }
 
-/// A number whose order is that of the double.
-fn ordered(x: f64) -> u64 {
-    let bits = (x + 0.0).to_bits();
-    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
-}
-
-/// Where a model is, and what counts as the same there.
-struct Space {
-    middle: DVec3,
-    size: f64,
-    same: f64,
-}
-
-impl Space {
-    /// Points that are not the same, and which each is.
-    fn distinct_points(&self, points: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
-        let cell = 64.0 * self.same;
-        let mut order: Vec<u32> = (0..points.len() as u32).collect();
-        let key = |i: u32| points[i as usize].to_array().map(ordered);
-        order.sort_unstable_by_key(|&i| key(i));
-        let mut cells = Cells::new(points.len());
-        let (mut distinct, mut of): (Vec<DVec3>, _) = (Vec::new(), vec![0; points.len()]);
-        for i in order {
-            let p = points[i as usize];
-            let at = ((p - self.middle) / cell).to_array();
-            let found = cells.find(at, self.same / cell, |other: u32| (distinct[other as usize] - p).length() <= self.same);
-            of[i as usize] = found.unwrap_or_else(|| {
-                distinct.push(p);
-                cells.add(at, distinct.len() as u32 - 1)
-            });
-        }
-        (distinct, of)
-    }
-
-    /// Planes that are not the same, and which each face is in.
-    fn distinct_planes(&self, points: &[DVec3], faces: &[Flat]) -> (Vec<Plane>, Vec<u32>) {
-        let planes: Vec<Plane> = faces
-            .iter()
-            .map(|face| {
-                let normal = face.area.normalize();
-                let normal = if is_turned(normal) { -normal } else { normal };
-                let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-                face.corners().for_each(|c| (sum, count) = (sum + points[c as usize] - self.middle, count + 1.0));
-                Plane { normal, offset: normal.dot(sum / count) }
-            })
-            .collect();
-        let mut order: Vec<u32> = (0..faces.len() as u32).collect();
-        order.sort_by_cached_key(|&i| {
-            let (plane, area) = (&planes[i as usize], faces[i as usize].area.length());
-            (std::cmp::Reverse(ordered(area)), plane.normal.to_array().map(ordered), ordered(plane.offset))
-        });
-        let mut cells = Cells::new(faces.len());
-        let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
-        for i in order {
-            let (face, plane) = (&faces[i as usize], planes[i as usize]);
-            let [x, y, z] = plane.normal.to_array();
-            let at = [x, y, z, plane.offset / self.size].map(|x| x * COARSE);
-            let same = |other: u32| {
-                let other: &Plane = &distinct[other as usize];
-                face.corners().all(|c| (other.normal.dot(points[c as usize] - self.middle) - other.offset).abs() <= self.same)
-            };
-            of[i as usize] = cells.find(at, NEAR, same).unwrap_or_else(|| {
-                distinct.push(plane);
-                cells.add(at, distinct.len() as u32 - 1)
-            });
-        }
-        distinct.iter_mut().for_each(|plane| plane.offset += plane.normal.dot(self.middle));
-        (distinct, of)
-    }
-
-    /// Lines that are not the same; every edge is told its own.
-    fn distinct_lines(&self, points: &[DVec3], edges: &mut [Edge]) -> Vec<Line> {
-        let line = |edge: &Edge| {
-            let [from, to] = [edge.from, edge.to].map(|p| points[p as usize] - self.middle);
-            let along = (to - from).normalize();
-            let along = if is_turned(along) { -along } else { along };
-            Line { at: from - along * along.dot(from), along }
-        };
-        let ends = |edge: &Edge| [edge.from, edge.to].map(|p| points[p as usize] - self.middle);
-        let mut order: Vec<u32> = (0..edges.len() as u32).collect();
-        order.sort_by_cached_key(|&i| {
-            let edge = &edges[i as usize];
-            let [from, to] = ends(edge).map(|p| p.to_array().map(ordered));
-            (std::cmp::Reverse(ordered(points[edge.from as usize].distance(points[edge.to as usize]))), from.min(to), from.max(to))
-        });
-        let mut cells = Cells::new(edges.len());
-        let mut distinct: Vec<Line> = Vec::new();
-        for i in order {
-            let edge = &mut edges[i as usize];
-            let (own, ends) = (line(edge), ends(edge));
-            let ([u, v, w], [x, y, z]) = (own.along.to_array(), (own.at / self.size).to_array());
-            let at = [u, v, w, x, y, z].map(|x| x * COARSE);
-            let same = |other: u32| {
-                let other: &Line = &distinct[other as usize];
-                ends.iter().all(|&end| (end - other.at).cross(other.along).length() <= self.same)
-            };
-            edge.line = cells.find(at, NEAR, same).unwrap_or_else(|| {
-                distinct.push(own);
-                cells.add(at, distinct.len() as u32 - 1)
-            });
-        }
-        distinct.iter_mut().for_each(|line| line.at += self.middle);
-        distinct
-    }
-}
-
-/// Cells to a unit in which lines and planes are looked for, and how near to a border its other side is looked at too.
-const COARSE: f64 = 256.0;
-const NEAR: f64 = 1.0 / 64.0;
-
-/// Whether a direction is the reverse of the one that stands for both: its largest component, the first of those that are about as large, is negative.
-fn is_turned(direction: DVec3) -> bool {
-    let components = direction.to_array();
-    let most = components.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    components.iter().find(|x| x.abs() > most - 1e-6).is_some_and(|x| *x < 0.0)
-}
-
-/// Items by the cell of a grid that they are in.
-struct Cells<const N: usize> {
-    /// The last item of a cell.
-    last: HashMap<[i32; N], u32, FixedState>,
-    /// For every item the one before it in its cell.
-    before: Vec<u32>,
-}
-
-impl<const N: usize> Cells<N> {
-    fn new(items: usize) -> Cells<N> {
-        Cells { last: HashMap::with_capacity_and_hasher(items.min(1 << 16), FixedState::default()), before: Vec::new() }
-    }
-
-    /// Adds item `item`, the next number, at a place in units of cells.
-    fn add(&mut self, at: [f64; N], item: u32) -> u32 {
-        debug_assert_eq!(item as usize, self.before.len());
-        let before = self.last.insert(at.map(|x| x.floor() as i32), item);
-        self.before.push(before.unwrap_or(NOTHING));
-        item
-    }
-
-    /// The first item that is the same as one at that place, among those of its cell and of others nearer than `near`.
-    fn find(&self, at: [f64; N], near: f64, same: impl Fn(u32) -> bool) -> Option<u32> {
-        let cell = at.map(|x| x.floor() as i32);
-        // Cells to look at in each direction: this one, and one beside it if that is near.
-        let beside = at.map(|x| {
-            let within = x - x.floor();
-            if within < near {
-                -1
-            } else if within > 1.0 - near {
-                1
-            } else {
-                0
-            }
-        });
-        let mut found = None;
-        for choice in 0..1_u32 << N {
-            let mut other = cell;
-            let valid = (0..N).all(|i| {
-                choice >> i & 1 == 0 || {
-                    other[i] = other[i].wrapping_add(beside[i]);
-                    beside[i] != 0
-                }
-            });
-            if !valid {
-                continue;
-            }
-            let mut item = self.last.get(&other).copied().unwrap_or(NOTHING);
-            while item != NOTHING {
-                if found.is_none_or(|found| item < found) && same(item) {
-                    found = Some(item);
-                }
-                item = self.before[item as usize];
-            }
-        }
-        found
-    }
+/// Spreads a number over all 64 bits (splitmix64).
+fn mix(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ x >> 31
 }

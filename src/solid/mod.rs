@@ -6,6 +6,7 @@ mod boxes;
 pub mod camera;
 mod cells;
 pub mod cut;
+mod same;
 pub mod savings;
 mod seen;
 pub mod shade;

@@ -76,9 +76,9 @@ impl Stage {
         sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
         let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
 
-        let rows: Vec<u32> = body.points.iter().map(|p| row(view.screen(*p)[1], view.height)).collect();
-        let lines: Vec<Sloping> = body.lines.iter().map(|line| Sloping::new(view.passes(line))).collect();
-        let clips = clips(&body, &program, leaves, &view, savings);
+        let screen: Vec<[f64; 3]> = body.points.iter().map(|p| view.place(*p)).collect();
+        let rows: Vec<u32> = screen.iter().map(|p| row(p[1], view.height)).collect();
+        let clips = clips(&body, &screen, &program, leaves, &view, savings);
 
         let mut edges = Edges::default();
         let mut pieces = Vec::new();
@@ -95,7 +95,7 @@ impl Stage {
             let turns = if from < to { 1 } else { -1 };
             let across = from.min(to)..from.max(to);
             let first = across.start;
-            lines[edge.line as usize].edges(across, columns, &mut pieces);
+            Sloping::new(view.passes(&body.lines[edge.line as usize])).edges(across, columns, &mut pieces);
             if pieces.iter().any(|piece| !piece.line.is_vertical() || piece.line.column() < view.width) {
                 edges.add(first, pieces.drain(..), Crossing { left: edge.left, right: edge.right, turns });
             }
@@ -131,7 +131,7 @@ const AROUND: f64 = 1.0;
 const AROUND_DISTANCE: f64 = 1e-6;
 
 /// Where the parts are needed: all of the page for those in the tree, or only where they matter.
-fn clips(body: &Body, program: &Program, leaves: &[(usize, Node)], view: &View, savings: Savings) -> Vec<Clip> {
+fn clips(body: &Body, screen: &[[f64; 3]], program: &Program, leaves: &[(usize, Node)], view: &View, savings: Savings) -> Vec<Clip> {
     let mut clips: Vec<Clip> = body.ranks.iter().map(|_| Clip { columns: 0..0, rows: 0..0 }).collect();
     let page = [view.width, view.height];
     if !savings.boxes {
@@ -141,10 +141,7 @@ fn clips(body: &Body, program: &Program, leaves: &[(usize, Node)], view: &View, 
     let mut own: Vec<Bounds<3>> = vec![None; body.ranks.len()];
     for edge in &body.edges {
         let bounds = &mut own[body.faces[edge.left as usize].part as usize];
-        for p in [edge.from, edge.to].map(|p| body.points[p as usize]) {
-            let ([x, y], z) = (view.screen(p), view.camera(p).z);
-            *bounds = join(*bounds, Some([[x, y, z]; 2]));
-        }
+        *bounds = [edge.from, edge.to].iter().fold(*bounds, |bounds, &p| join(bounds, Some([screen[p as usize]; 2])));
     }
     for [least, most] in own.iter_mut().flatten() {
         for i in 0..3 {

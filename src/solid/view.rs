@@ -113,12 +113,18 @@ impl View {
 
     /// A point on the screen, in pixels. In perspective it must not be nearer than the near plane.
     pub fn screen(&self, p: DVec3) -> Point {
+        let [x, y, _] = self.place(p);
+        [x, y]
+    }
+
+    /// A point on the screen, in pixels, and its distance along the view.
+    pub fn place(&self, p: DVec3) -> [f64; 3] {
         let c = self.camera(p);
         let scale = match self.projection {
             Projection::Perspective { focal, near } => focal / c.z.max(near),
             Projection::Orthographic { scale } => scale,
         };
-        [f64::from(self.width) / 2.0 + scale * c.x, f64::from(self.height) / 2.0 + scale * c.y]
+        [f64::from(self.width) / 2.0 + scale * c.x, f64::from(self.height) / 2.0 + scale * c.y, c.z]
     }
 
     /// Where pixel (i, j) is looked at, in pixels from the centre of the page.

@@ -1,0 +1,305 @@
+//! What is the same: points, planes and lines within a tolerance, found once.
+//!
+//! What may be the same is found by cells of a grid, and planes and lines among little: planes that are the same are in one cell or in neighbours, and lines are
+//! looked for among the edges of faces of one plane, as only there it matters whether they are one. Among those the largest stands for the others, and ties go
+//! by coordinates, so that nothing depends on the order in which they are given.
+
+use std::collections::{BTreeMap, HashMap};
+
+use foldhash::fast::FixedState;
+use glam::DVec3;
+
+use super::body::{Edge, Face, Flat, Line, NOTHING, Plane, SAME};
+
+/// Where a model is, and what counts as the same there.
+pub(super) struct Space {
+    middle: DVec3,
+    size: f64,
+    /// How far apart things are that count as one.
+    pub(super) same: f64,
+}
+
+/// A number whose order is that of the double.
+pub(super) fn ordered(x: f64) -> u64 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+impl Space {
+    /// The space between the least and the greatest coordinates.
+    pub(super) fn new(least: DVec3, most: DVec3) -> Space {
+        let size = (most - least).length().max(f64::MIN_POSITIVE);
+        Space { middle: (least + most) / 2.0, size, same: SAME * size }
+    }
+
+    /// Points that are not the same, and which each is.
+    pub(super) fn distinct_points(&self, points: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
+        let cell = 64.0 * self.same;
+        let order = sorted(points.len(), |i| ordered(points[i].x), |i| points[i].to_array().map(ordered));
+        let mut cells = Cells::new(points.len());
+        let (mut distinct, mut of): (Vec<DVec3>, _) = (Vec::new(), vec![0; points.len()]);
+        for i in order {
+            let p = points[i as usize];
+            let at = ((p - self.middle) / cell).to_array();
+            let found = cells.find(at, self.same / cell, |other: u32| (distinct[other as usize] - p).length() <= self.same);
+            of[i as usize] = found.unwrap_or_else(|| {
+                distinct.push(p);
+                cells.add(at, distinct.len() as u32 - 1)
+            });
+        }
+        (distinct, of)
+    }
+
+    /// Planes that are not the same, and which each face is in.
+    pub(super) fn distinct_planes(&self, points: &[DVec3], faces: &[Flat]) -> (Vec<Plane>, Vec<u32>) {
+        let planes: Vec<Plane> = faces
+            .iter()
+            .map(|face| {
+                let normal = face.area.normalize();
+                let normal = if is_turned(normal) { -normal } else { normal };
+                let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+                face.corners().for_each(|c| (sum, count) = (sum + points[c as usize] - self.middle, count + 1.0));
+                Plane { normal, offset: normal.dot(sum / count) }
+            })
+            .collect();
+        let order = sorted(
+            faces.len(),
+            |i| !ordered(faces[i].area.length_squared()),
+            |i| (planes[i].normal.to_array().map(ordered), ordered(planes[i].offset)),
+        );
+        let mut cells = Cells::new(faces.len());
+        let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
+        for i in order {
+            let (face, plane) = (&faces[i as usize], planes[i as usize]);
+            let [x, y, z] = plane.normal.to_array();
+            let at = [x, y, z, plane.offset / self.size].map(|x| x * COARSE);
+            let same = |other: u32| {
+                let other: &Plane = &distinct[other as usize];
+                face.corners().all(|c| (other.normal.dot(points[c as usize] - self.middle) - other.offset).abs() <= self.same)
+            };
+            of[i as usize] = cells.find(at, NEAR, same).unwrap_or_else(|| {
+                distinct.push(plane);
+                cells.add(at, distinct.len() as u32 - 1)
+            });
+        }
+        distinct.iter_mut().for_each(|plane| plane.offset += plane.normal.dot(self.middle));
+        (distinct, of)
+    }
+
+    /// Lines that are not the same; every edge is told its own.
+    pub(super) fn distinct_lines(&self, points: &[DVec3], faces: &[Face], edges: &mut [Edge]) -> Vec<Line> {
+        let mut lines = Lines { points, edges, same: self.same, like: (0..edges.len() as u32).collect() };
+        let mut of_plane: Vec<(u32, u32)> = Vec::new();
+        let mut faces_of = vec![0_u32; faces.iter().fold(0, |most, face| most.max(face.plane as usize + 1))];
+        faces.iter().for_each(|face| faces_of[face.plane as usize] += 1);
+        for (edge, i) in edges.iter().zip(0..) {
+            let plane = |face: u32| faces.get(face as usize).map(|face| face.plane);
+            let (left, right) = (plane(edge.left), plane(edge.right));
+            // Between two faces of one plane nothing is to be seen of an edge.
+            if left != right {
+                of_plane.extend([left, right].into_iter().flatten().filter(|plane| faces_of[*plane as usize] > 1).map(|plane| (plane, i)));
+            }
+        }
+        of_plane.sort_unstable();
+        let mut group = Vec::new();
+        for same in of_plane.chunk_by(|a, b| a.0 == b.0) {
+            group.clear();
+            group.extend(same.iter().map(|entry| entry.1));
+            lines.group(&mut group, self);
+        }
+        let like = lines.like;
+        let root = |mut i: u32| {
+            while like[i as usize] != i {
+                i = like[i as usize];
+            }
+            i
+        };
+        let mut distinct = Vec::new();
+        let mut line_of = vec![NOTHING; edges.len()];
+        for i in 0..edges.len() {
+            let root = root(i as u32) as usize;
+            if line_of[root] == NOTHING {
+                line_of[root] = distinct.len() as u32;
+                distinct.push(self.line(points, &edges[root]));
+            }
+            edges[i].line = line_of[root];
+        }
+        distinct
+    }
+
+    /// The line through an edge's ends.
+    fn line(&self, points: &[DVec3], edge: &Edge) -> Line {
+        let [from, to] = [edge.from, edge.to].map(|p| points[p as usize] - self.middle);
+        let along = (to - from).normalize();
+        let along = if is_turned(along) { -along } else { along };
+        Line { at: from - along * along.dot(from) + self.middle, along }
+    }
+}
+
+/// Numbers below `n` by a key, and those with the same by another that takes longer.
+fn sorted<K: Ord>(n: usize, key: impl Fn(usize) -> u64, then: impl Fn(usize) -> K) -> Vec<u32> {
+    let mut order: Vec<(u64, u32)> = (0..n).map(|i| (key(i), i as u32)).collect();
+    order.sort_unstable();
+    for same in order.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+        same.sort_by_cached_key(|entry| then(entry.1 as usize));
+    }
+    order.into_iter().map(|entry| entry.1).collect()
+}
+
+/// Edges, and which of them are on one line.
+struct Lines<'b> {
+    points: &'b [DVec3],
+    edges: &'b [Edge],
+    same: f64,
+    /// For every edge a longer one, or as long as it, on the same line; itself if none is known.
+    like: Vec<u32>,
+}
+
+/// So many edges are compared each with each other.
+const FEW: usize = 12;
+
+impl Lines<'_> {
+    fn ends(&self, edge: u32) -> [DVec3; 2] {
+        let Edge { from, to, .. } = self.edges[edge as usize];
+        [from, to].map(|p| self.points[p as usize])
+    }
+
+    fn length_squared(&self, edge: u32) -> f64 {
+        let [from, to] = self.ends(edge);
+        (to - from).length_squared()
+    }
+
+    /// What stands for others comes first.
+    fn key(&self, edge: u32) -> (u64, [u64; 3], [u64; 3], u32) {
+        let [from, to] = self.ends(edge).map(|p| p.to_array().map(ordered));
+        (!ordered(self.length_squared(edge)), from.min(to), from.max(to), edge)
+    }
+
+    /// Whether both ends of an edge are on the line of a longer one.
+    fn is_on(&self, edge: u32, longer: u32) -> bool {
+        let [from, to] = self.ends(longer);
+        let along = to - from;
+        let bound = self.same * self.same * along.length_squared();
+        self.ends(edge).iter().all(|&end| (end - from).cross(along).length_squared() <= bound)
+    }
+
+    /// Finds which edges of a plane are on one line.
+    fn group(&mut self, group: &mut [u32], space: &Space) {
+        if group.len() <= FEW {
+            for (k, &a) in group.iter().enumerate() {
+                for &b in &group[k + 1..] {
+                    let (longer, edge) = if self.length_squared(a) >= self.length_squared(b) { (a, b) } else { (b, a) };
+                    if self.is_on(edge, longer) {
+                        self.join(edge, longer);
+                    }
+                }
+            }
+            return;
+        }
+        group.sort_by_cached_key(|&edge| self.key(edge));
+        // A number of each line that does not depend on its direction, and is about the same for those that are.
+        let number = |edge: u32| {
+            let Line { at, along } = space.line(self.points, &self.edges[edge as usize]);
+            along.dot(MIXED[0]) * along.dot(MIXED[1]) + (at - space.middle).dot(MIXED[2]) / space.size
+        };
+        let mut distinct: BTreeMap<(u64, u32), u32> = BTreeMap::new();
+        for &mut edge in group {
+            let number = number(edge);
+            // As far as the line through ends that are so far off can be turned and shifted.
+            let reach = (8.0 * SAME * (1.0 + 2.0 * space.size / self.length_squared(edge).sqrt())).min(FARTHEST);
+            let near = distinct.range((ordered(number - reach), 0)..=(ordered(number + reach), u32::MAX));
+            let found = near.map(|entry| *entry.1).filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
+            match found {
+                Some(longer) => self.join(edge, longer),
+                None => _ = distinct.insert((ordered(number), edge), edge),
+            }
+        }
+    }
+
+    fn root(&self, mut edge: u32) -> u32 {
+        while self.like[edge as usize] != edge {
+            edge = self.like[edge as usize];
+        }
+        edge
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        if a != b {
+            let (first, second) = if self.key(a) < self.key(b) { (a, b) } else { (b, a) };
+            self.like[second as usize] = first;
+        }
+    }
+}
+
+/// Directions that no model has a reason to have.
+const MIXED: [DVec3; 3] = [
+    DVec3::new(0.653_281_482, 0.270_598_050, 0.707_106_781),
+    DVec3::new(-0.411_514_346, 0.838_670_568, 0.356_822_090),
+    DVec3::new(0.314_159_265, -0.577_215_664, 0.753_700_214),
+];
+
+/// The numbers of lines that are the same differ by less.
+const FARTHEST: f64 = 1e-4;
+
+/// Cells to a unit in which lines and planes are looked for, and how near to a border its other side is looked at too.
+const COARSE: f64 = 256.0;
+const NEAR: f64 = 1.0 / 64.0;
+
+/// Whether a direction is the reverse of the one that stands for both: its largest component, the first of those that are about as large, is negative.
+fn is_turned(direction: DVec3) -> bool {
+    let components = direction.to_array();
+    let most = components.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    components.iter().find(|x| x.abs() > most - 1e-6).is_some_and(|x| *x < 0.0)
+}
+
+/// Items by the cell of a grid that they are in.
+struct Cells<const N: usize> {
+    /// The last item of a cell.
+    last: HashMap<[i32; N], u32, FixedState>,
+    /// For every item the one before it in its cell.
+    before: Vec<u32>,
+}
+
+impl<const N: usize> Cells<N> {
+    fn new(items: usize) -> Cells<N> {
+        Cells { last: HashMap::with_capacity_and_hasher(items, FixedState::default()), before: Vec::new() }
+    }
+
+    /// Adds item `item`, the next number, at a place in units of cells.
+    fn add(&mut self, at: [f64; N], item: u32) -> u32 {
+        debug_assert_eq!(item as usize, self.before.len());
+        let before = self.last.insert(at.map(|x| x.floor() as i32), item);
+        self.before.push(before.unwrap_or(NOTHING));
+        item
+    }
+
+    /// The first item that is the same as one at that place, among those of its cell and of others nearer than `near`.
+    fn find(&self, at: [f64; N], near: f64, same: impl Fn(u32) -> bool) -> Option<u32> {
+        let cell = at.map(|x| x.floor() as i32);
+        // Directions in which the cell beside it is near.
+        let (mut beside, mut ways) = ([(0, 0); N], 0);
+        for (i, x) in at.into_iter().enumerate() {
+            let within = x - x.floor();
+            if within < near || within > 1.0 - near {
+                beside[ways] = (i, if within < near { -1 } else { 1 });
+                ways += 1;
+            }
+        }
+        let mut found = None;
+        for choice in 0..1_u32 << ways {
+            let mut other = cell;
+            for &(i, step) in beside[..ways].iter().enumerate().filter(|(k, _)| choice >> k & 1 == 1).map(|(_, side)| side) {
+                other[i] = i32::wrapping_add(other[i], step);
+            }
+            let mut item = self.last.get(&other).copied().unwrap_or(NOTHING);
+            while item != NOTHING {
+                if found.is_none_or(|found| item < found) && same(item) {
+                    found = Some(item);
+                }
+                item = self.before[item as usize];
+            }
+        }
+        found
+    }
+}
