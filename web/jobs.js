@@ -5,7 +5,7 @@ import { address, call, withToken } from "./api.js";
 import { forget, save, saved } from "./save.js";
 
 /**
- * @typedef {{ id: string, state: "ready" | "reading" | "done" | "failed" | "cancelled", format: string, width: number, height: number, lines: number,
+ * @typedef {{ id: string, kind: "fill" | "solid", state: "ready" | "reading" | "done" | "failed" | "cancelled", format: string, width: number, height: number, lines: number,
  *   lines_delivered: number, bytes: number | null, created: string, error: string | null, warnings: string[] }} Job
  *
  * A job in the list.
@@ -226,7 +226,7 @@ export class Jobs extends EventTarget {
     const when = new Date(job.created);
     element.append(
       make("div", { class: "row" },
-        make("span", { class: "format", id: `job-${job.id}` }, `${job.format} `, make("time", { datetime: job.created }, when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" }))),
+        make("span", { class: "format", id: `job-${job.id}` }, `${job.kind === "solid" ? "model, " : ""}${job.format} `, make("time", { datetime: job.created }, when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" }))),
         make("span", { class: "state" })),
       make("progress", { class: "progress", "aria-labelledby": `job-${job.id}` }),
       make("div", { class: "row note" }, make("span", { class: "about" }), make("span", { class: "far" })),

@@ -11,8 +11,8 @@ const MOST_INKS = 65_535;
 const MOST_SUMMED = 64 << 20;
 
 /**
- * What is known before the first line. `to` is the line behind the last.
- * @typedef {{ width: number, from: number, to: number, inks: number[][] }} Header
+ * What is known before the first line. `to` is the line behind the last. Without a list of inks the raster is shaded: a run's ink is its colour, 0xRRGGBB.
+ * @typedef {{ width: number, from: number, to: number, inks: number[][] | null, paper: number[] }} Header
  */
 
 /**
@@ -23,6 +23,8 @@ const MOST_SUMMED = 64 << 20;
 
 /** A stream that breaks its rules, or ends before its end. */
 export class Broken extends Error {}
+
+const WHITE = [255, 255, 255];
 
 /** More bytes are needed. */
 const SHORT = -1;
@@ -104,6 +106,14 @@ export class Reader {
     return SHORT;
   }
 
+  /** The next colour, or SHORT. */
+  #colour() {
+    const { bytes, at } = this;
+    if (bytes.length - at < 3) return SHORT;
+    this.at = at + 3;
+    return (bytes[at] << 16) | (bytes[at + 1] << 8) | bytes[at + 2];
+  }
+
   #head() {
     for (const byte of MAGIC) {
       if (this.at === this.bytes.length) return false;
@@ -114,18 +124,19 @@ export class Reader {
     if (version !== 1) throw new Broken(`rls version ${version} is not known here`);
     const kind = this.#number();
     if (kind === SHORT) return false;
-    if (kind !== 0) throw new Broken(`rls kind ${kind} is not known here`);
+    if (kind > 1) throw new Broken(`rls kind ${kind} is not known here`);
     const width = this.#number();
     const from = width === SHORT ? SHORT : this.#number();
     const to = from === SHORT ? SHORT : this.#number();
-    const count = to === SHORT ? SHORT : this.#number();
+    const shaded = kind === 1;
+    const count = to === SHORT ? SHORT : shaded ? 1 : this.#number();
     if (count === SHORT) return false;
     if (width < 1 || width > MOST_WIDTH || from >= to || to > MOST_LINE || count > MOST_INKS) throw new Broken("the header is out of bounds");
     if (this.bytes.length - this.at < 3 * count) return false;
-    const inks = Array.from({ length: count }, (_, i) => Array.from(this.bytes.subarray(this.at + 3 * i, this.at + 3 * i + 3)));
+    const colours = Array.from({ length: count }, (_, i) => Array.from(this.bytes.subarray(this.at + 3 * i, this.at + 3 * i + 3)));
     this.at += 3 * count;
-    this.header = { width, from, to, inks };
-    const rowBytes = count < 2 ? Math.ceil(width / 8) : count < 256 ? width : 2 * width;
+    this.header = { width, from, to, inks: shaded ? null : colours, paper: shaded ? colours[0] : WHITE };
+    const rowBytes = shaded ? 3 * width : count < 2 ? Math.ceil(width / 8) : count < 256 ? width : 2 * width;
     this.summed = rowBytes * (to - from) <= MOST_SUMMED;
     this.row = new Uint8Array(this.summed ? rowBytes : 0);
     this.onHeader(this.header);
@@ -145,16 +156,17 @@ export class Reader {
     const record = this.record;
     if (record.runs.length < 3 * count) record.runs = new Uint32Array(6 * count);
     const runs = record.runs;
-    const several = inks.length > 1;
+    const several = inks !== null && inks.length > 1;
+    const most = inks ? inks.length : 1 << 24;
     let end = 0;
     let before = -1;
     for (let i = 0; i < 3 * count; i += 3) {
       const gap = this.#number();
       const length = gap === SHORT ? SHORT : this.#number();
       if (length === SHORT) return false;
-      const ink = several ? this.#number() : 0;
+      const ink = several ? this.#number() : inks ? 0 : this.#colour();
       if (ink === SHORT) return false;
-      if (length === 0 || ink >= inks.length || end + gap + length > width || (gap === 0 && ink === before)) {
+      if (length === 0 || ink >= most || end + gap + length > width || (gap === 0 && ink === before)) {
         throw new Broken(`line ${y}: run ${i / 3 + 1} is out of bounds`);
       }
       runs[i] = end + gap;
@@ -177,14 +189,19 @@ export class Reader {
   /** @param {Lines} record */
   #sum({ n, count, runs }) {
     const row = this.row;
-    const inks = /** @type {Header} */ (this.header).inks.length;
-    row.fill(0);
+    const { inks: listed, paper } = /** @type {Header} */ (this.header);
+    const inks = listed?.length ?? Infinity;
+    if (listed) row.fill(0);
+    else fillColour(row, 0, row.length / 3, paper);
     for (let i = 0; i < 3 * count; i += 3) {
       const [start, end, ink] = [runs[i], runs[i + 1], runs[i + 2] + 1];
       if (inks < 2) {
         fillBits(row, start, end);
       } else if (inks < 256) {
         row.fill(ink, start, end);
+      } else if (!listed) {
+        const colour = runs[i + 2];
+        fillColour(row, start, end, [colour >> 16, (colour >> 8) & 255, colour & 255]);
       } else {
         for (let x = start; x < end; x++) {
           row[2 * x] = ink >> 8;
@@ -227,4 +244,18 @@ function fillBits(row, start, end) {
     row.fill(255, first + 1, last);
     if (tail) row[last] |= tail;
   }
+}
+
+/**
+ * Sets the pixels `start` to `end` of a row of three bytes a pixel.
+ * @param {Uint8Array} row
+ * @param {number} start
+ * @param {number} end
+ * @param {number[]} colour
+ */
+function fillColour(row, start, end, colour) {
+  if (start === end) return;
+  row.set(colour, 3 * start);
+  // What is there is copied behind itself, twice as much each time.
+  for (let done = 1; done < end - start; done *= 2) row.copyWithin(3 * (start + done), 3 * start, 3 * (start + Math.min(done, end - start - done)));
 }

@@ -23,7 +23,7 @@ import { Broken, Reader } from "./rls.js";
  *
  * What is answered.
  * @typedef {{ id: number } & (
- *   | { kind: "header", width: number, from: number, to: number, inks: number[][], warnings: string }
+ *   | ({ kind: "header", warnings: string } & import("./rls.js").Header)
  *   | { kind: "strip", y: number, rows: number, pixels: Uint8ClampedArray<ArrayBuffer> }
  *   | { kind: "progress", progress: Progress }
  *   | { kind: "done", progress: Progress, summed: boolean }
@@ -68,7 +68,7 @@ async function draw({ id, request, target, tint }) {
     const reader = new Reader(
       (header) => {
         const whole = { x0: 0, y0: header.from, x1: header.width, y1: header.to, width: header.width, height: header.to - header.from };
-        painter = new Painter(id, target ?? whole, header.inks, tint);
+        painter = new Painter(id, target ?? whole, header, tint);
         say({ id, kind: "header", ...header, warnings });
       },
       (lines) => {
@@ -123,15 +123,17 @@ class Painter {
   /**
    * @param {number} id
    * @param {Target} target
-   * @param {number[][]} inks
+   * @param {import("./rls.js").Header} header
    * @param {number[]} [tint]
    */
-  constructor(id, target, inks, tint) {
+  constructor(id, target, { inks, paper }, tint) {
     this.id = id;
     this.target = target;
-    this.paper = tint ? 0 : 0xffffffff;
     const word = (/** @type {number[]} */ [r, g, b, a = 255]) => ((a << 24) | (b << 16) | (g << 8) | r) >>> 0;
-    this.inks = Uint32Array.from(inks, (ink) => word(tint ?? ink));
+    this.paper = tint ? 0 : word(paper);
+    const listed = inks && Uint32Array.from(inks, (ink) => word(tint ?? ink));
+    /** The word of an ink. @type {(ink: number) => number} */
+    this.word = listed ? (ink) => listed[ink] : tint ? () => word(tint) : (ink) => word([ink >> 16, (ink >> 8) & 255, ink & 255]);
     this.across = target.width / (target.x1 - target.x0);
     this.down = target.height / (target.y1 - target.y0);
     this.y = 0;
@@ -161,7 +163,7 @@ class Painter {
       for (let i = 0; i < 3 * count; i += 3) {
         const left = Painter.first(runs[i] - x0, this.across, width);
         const right = Painter.first(runs[i + 1] - x0, this.across, width);
-        if (left < right) this.strip.fill(this.inks[runs[i + 2]], start + left, start + right);
+        if (left < right) this.strip.fill(this.word(runs[i + 2]), start + left, start + right);
         if (right === width) break;
       }
       for (let i = 1; i < same; i++) this.strip.copyWithin(start + i * width, start, start + width);

@@ -18,7 +18,7 @@ use super::messages::{Failure, reason};
 use super::{signals, values};
 
 /// What the user says about the output.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Target {
     /// File to write; - is standard output [default: -]
     ///
@@ -35,6 +35,25 @@ impl Target {
     /// A file of that name.
     pub fn named(path: &Path) -> Target {
         Target { path: Some(path.to_owned()), format: None }
+    }
+
+    /// The one of that number of several outputs: its name has the number in the place of `%d` or, with zeros in front, of `%03d`. None if the name has no such place.
+    pub fn numbered(&self, number: usize) -> Option<Target> {
+        let text = self.path()?.to_str()?;
+        let (before, digits, behind) = text.match_indices('%').find_map(|(at, _)| {
+            let rest = &text[at + 1..];
+            let end = rest.find(|c: char| !c.is_ascii_digit())?;
+            let behind = rest[end..].strip_prefix('d')?;
+            // Nine digits are enough; a width without a zero in front would mean blanks.
+            (end == 0 || end == 2 && rest.starts_with('0')).then(|| (&text[..at], &rest[..end], behind))
+        })?;
+        let width = digits.parse().unwrap_or(0);
+        Some(Target { path: Some(format!("{before}{number:0width$}{behind}").into()), format: self.format })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        self.path().map_or_else(|| "<stdout>".to_owned(), |path| path.display().to_string())
     }
 
     /// The format that was asked for, or that the extension of the output's name says.

@@ -109,6 +109,9 @@ struct Bounds {
     /// Bytes of drawings kept for the next request, about
     #[arg(long, value_name = "BYTES", default_value = "64M", env = "RUNSET_CACHE", value_parser = bytes)]
     cache: u64,
+    /// Bytes of models kept to be seen from anywhere, about
+    #[arg(long, value_name = "BYTES", default_value = "512M", env = "RUNSET_MAX_MODELS", value_parser = bytes)]
+    max_models: u64,
     /// Event streams open at the same time
     #[arg(long, value_name = "N", default_value_t = 1024, env = "RUNSET_MAX_EVENTS", value_parser = whole(1..=1_000_000))]
     max_events: u32,
@@ -185,6 +188,7 @@ impl Serve {
             max_uploads: bounds.max_uploads,
             max_drawings: bounds.max_drawings,
             cache: bounds.cache,
+            max_models: bounds.max_models,
             max_events: bounds.max_events as usize,
             max_connections: bounds.max_connections as usize,
             max_jobs: bounds.max_jobs as usize,

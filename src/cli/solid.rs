@@ -25,6 +25,8 @@ Examples:
       from an eye to a point, as OpenSCAD's options have it
   runset solid part.csg --section 0,0,1,5 -o inside.png
       without what is above z = 5; --section 0,-1,0,0 takes away what is before the plane y = 0
+  runset solid part.csg --camera 0,0,0,55,0,0,99 --camera 0,0,0,55,0,90,99 -o view-%d.png
+      view-1.png and view-2.png, of a model that is read once
   runset solid part.scad --aov depth=part.pfm --aov primitive=part.pgm -o part.ppm
       with depths and parts as numbers; a .scad needs openscad on the path
   runset solid part.csg --format rls | runset convert - -o part.png
@@ -48,9 +50,12 @@ pub struct Solid {
     #[arg(long, value_name = "W,H", default_value = "512,512", value_parser = job::image_size)]
     imgsize: (u32, u32),
 
-    /// Where the model is seen from: translate_x,y,z,rotate_x,y,z,distance or eye_x,y,z,center_x,y,z [default: from where all is seen]
+    /// Where the model is seen from: translate_x,y,z,rotate_x,y,z,distance or eye_x,y,z,center_x,y,z; may be given several times, with OUT as in view-%03d.png [default: from
+    /// where all is seen]
+    ///
+    /// The model is read once for all cameras. %d or %03d in the names of outputs is the number of the camera, from 1.
     #[arg(long, value_name = "NUMBERS", value_parser = job::camera, allow_hyphen_values = true)]
-    camera: Option<Camera>,
+    camera: Vec<Camera>,
 
     /// o: orthographic, p: perspective
     #[arg(long, value_name = "o|p", default_value = "p")]
@@ -126,45 +131,62 @@ fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
 pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let format = args.output.format_or("png")?;
     let source = Source::find(&args.input)?;
-    let mut output = Output::create(&args.output, &source, format)?;
-    let mut numbers = Vec::new();
-    for (aov, path) in &args.aov {
-        numbers.push((*aov, Output::create(&Target::named(path), &source, format)?));
-    }
-    let (input_name, output_name) = (source.name(), output.name().to_owned());
-    let ends = Ends { input: &input_name, output: &output_name };
+    let input_name = source.name();
+    let (width, height) = args.imgsize;
+    let options = |camera: Option<Camera>, started| {
+        let orthographic = args.projection == Projection::Orthographic;
+        let setup = Setup { camera, orthographic, view_all: args.viewall, autocenter: args.autocenter, width, height };
+        SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), lines: args.lines.clone(), started }
+    };
+    // Without a camera there is one view, from where all is seen.
+    let cameras: Vec<Option<Camera>> = if args.camera.is_empty() { vec![None] } else { args.camera.iter().copied().map(Some).collect() };
+    let outputs = |number: usize| {
+        let numbered = |target: &Target| match target.numbered(number) {
+            None if cameras.len() > 1 => Err(Failure::Usage(format!(
+                "{} cameras, and {} is one output: put %d or %03d into its name, for the number of the camera",
+                cameras.len(),
+                target.name()
+            ))),
+            numbered => Ok(numbered.unwrap_or_else(|| target.clone())),
+        };
+        let picture = Output::create(&numbered(&args.output)?, &source, format)?;
+        let aov = |(aov, path): &(Aov, PathBuf)| Ok((*aov, Output::create(&numbered(&Target::named(path))?, &source, format)?));
+        Ok((picture, args.aov.iter().map(aov).collect::<Result<Vec<_>, Failure>>()?))
+    };
+    let mut first = Some(outputs(1)?);
+    let of_input = Ends { input: &input_name, output: "" };
+    let header = options(cameras[0], started).header().map_err(|error| of_input.failure(&error))?;
 
     let limits = args.work.limits();
     let bytes = if scad::is_program(&args.input) { scad::tree(&args.input, limits.input)? } else { source.read(limits.input)? };
-    let options = ModelOptions { limits, folder: source.folder() };
+    let reading = ModelOptions { limits, folder: source.folder() };
     let mut warnings = Vec::new();
-    let model = read_model(&bytes, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
+    let model = read_model(&bytes, &reading, &mut warnings).map_err(|error| of_input.failure(&error))?;
     drop(bytes);
     let kept = Kept::new(&model, &mut warnings);
     drop(model);
-    let (width, height) = args.imgsize;
-    let setup = Setup {
-        camera: args.camera,
-        orthographic: args.projection == Projection::Orthographic,
-        view_all: args.viewall,
-        autocenter: args.autocenter,
-        width,
-        height,
-    };
-    let options = SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), lines: args.lines.clone(), started };
-    let job = Job::solid(&kept, &options).map_err(|error| ends.failure(&error))?;
-    drop(kept);
-    ends.warn(&warnings, args.work.strict)?;
+    of_input.warn(&warnings, args.work.strict)?;
 
-    let mut progress = Progress::new(&args.work.watch, Some(job.header().height()), output.is_terminal());
-    let stats = job.render(format, limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
-    drop(progress);
-    for (aov, out) in &mut numbers {
-        let name = out.name().to_owned();
-        job.aov(*aov, out).map_err(|error| Ends { output: &name, ..ends }.failure(&error))?;
+    for (camera, number) in cameras.iter().zip(1..) {
+        let began = if number == 1 { started } else { Instant::now() };
+        let (mut output, mut numbers) = match first.take() {
+            Some(first) => first,
+            None => outputs(number)?,
+        };
+        let name = output.name().to_owned();
+        let ends = Ends { output: &name, ..of_input };
+        let job = Job::solid(&kept, &options(*camera, began)).map_err(|error| ends.failure(&error))?;
+        let mut progress = Progress::new(&args.work.watch, Some(header.height()), output.is_terminal());
+        let stats =
+            job.render(format, limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+        drop(progress);
+        for (aov, out) in &mut numbers {
+            let name = out.name().to_owned();
+            job.aov(*aov, out).map_err(|error| Ends { output: &name, ..ends }.failure(&error))?;
+        }
+        output.finish()?;
+        numbers.into_iter().try_for_each(|(_, out)| out.finish())?;
+        args.work.tell(&stats);
     }
-    output.finish()?;
-    numbers.into_iter().try_for_each(|(_, out)| out.finish())?;
-    args.work.tell(&stats);
     Ok(())
 }

@@ -38,6 +38,26 @@ impl Default for SolidOptions {
     }
 }
 
+impl SolidOptions {
+    /// The header of the raster.
+    ///
+    /// # Errors
+    /// Those of [`Job::solid`].
+    pub fn header(&self) -> Result<Header> {
+        let Setup { width, height, .. } = self.setup;
+        if !(1..=MAX_WIDTH).contains(&width) || !(1..=MAX_HEIGHT).contains(&height) {
+            let what = format!("the page would be {width} x {height} px: give 1 to {MAX_WIDTH} x 1 to {MAX_HEIGHT}");
+            return Err(Error::parameter(what));
+        }
+        check(&self.setup)?;
+        if self.sections.len() > MAX_SECTIONS {
+            return Err(Error::parameter(format!("{} sections: give at most {MAX_SECTIONS}", self.sections.len())));
+        }
+        let lines = slice(self.lines.as_ref(), height)?;
+        Ok(Header { width, lines, inks: Inks::Shaded { paper: self.scheme.background }, dpi: None })
+    }
+}
+
 /// What a pixel shows, as a number of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
@@ -58,24 +78,15 @@ impl Job {
     /// # Errors
     /// A page or a range of lines out of bounds; a camera that sees nothing; more than [`MAX_SECTIONS`].
     pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
-        let Setup { width, height, .. } = options.setup;
-        if !(1..=MAX_WIDTH).contains(&width) || !(1..=MAX_HEIGHT).contains(&height) {
-            let what = format!("the page would be {width} x {height} px: give 1 to {MAX_WIDTH} x 1 to {MAX_HEIGHT}");
-            return Err(Error::parameter(what));
-        }
-        check(&options.setup)?;
-        if options.sections.len() > MAX_SECTIONS {
-            return Err(Error::parameter(format!("{} sections: give at most {MAX_SECTIONS}", options.sections.len())));
-        }
-        let lines = slice(options.lines.as_ref(), height)?;
+        let header = options.header()?;
         let Kept { body, program, leaves, colours, .. } = model;
         let stage = Stage::new(body, program.clone(), leaves, options.setup.view(body.bounds), &options.sections, Savings::default());
         let colours = Colours::new(&stage, colours, &options.scheme);
         Ok(Job {
             edges: stage.edges.len() as u64,
             source: Source::Solid(Arc::new(stage), Arc::new(colours)),
-            header: Header { width, lines, inks: Inks::Shaded { paper: options.scheme.background }, dpi: None },
-            band: band_height(height),
+            band: band_height(options.setup.height),
+            header,
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
             solid: Some(SolidStats { faces: model.faces(), primitives: model.parts(), ..SolidStats::default() }),

@@ -67,7 +67,7 @@ pub fn describe(api: OpenApi) -> Value {
         .iter()
         .map(|format| (format.media_type.to_owned(), json!({ "schema": { "type": "string", "format": "binary" } })))
         .collect();
-    for (path, method) in [("/v1/fill", "post"), ("/v1/solid", "post"), ("/v1/jobs/{id}/raster", "get")] {
+    for (path, method) in [("/v1/fill", "post"), ("/v1/solid", "post"), ("/v1/models/{id}/view", "get"), ("/v1/jobs/{id}/raster", "get")] {
         for status in ["200", "206"] {
             if let Some(answer) = api["paths"][path][method]["responses"].get_mut(status) {
                 answer["content"] = rasters.clone().into();

@@ -1,17 +1,23 @@
 //! A document in, its raster out, from the first line on: what `POST /v1/fill` and `POST /v1/solid` have in common.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Instant;
 
-use axum::body::Body;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
-use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use axum::body::{Body, Bytes};
+use axum::extract::FromRequestParts;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, IF_MATCH, IF_NONE_MATCH};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
+use headers::{ETag, HeaderMapExt, IfMatch, IfNoneMatch};
 use sha2::{Digest as _, Sha256};
 use tokio::sync::OwnedSemaphorePermit;
 
+use super::access::Started;
+use super::cache::{Key, Shared};
 use super::connection::Connection;
-use super::drawings::{Key, Shared};
+use super::drawings::Drawing;
 use super::params::{Kind, Params, content_type};
 use super::problem::Problem;
 use super::raster::Raster;
@@ -26,6 +32,16 @@ pub struct Asker {
     pub connection: Option<Arc<Connection>>,
     /// When the request came.
     pub started: Instant,
+}
+
+impl FromRequestParts<Service> for Asker {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &Service) -> Result<Asker, Infallible> {
+        let connection = parts.extensions.get::<Arc<Connection>>().cloned();
+        let started = parts.extensions.get::<Started>().map_or_else(Instant::now, |started| started.0);
+        Ok(Asker { connection, started })
+    }
 }
 
 /// Answers a document with its raster.
@@ -51,12 +67,12 @@ pub fn stream(
     service: Service,
     asker: Asker,
     kind: Kind,
-    shared: Shared,
+    shared: Shared<Drawing>,
     format: &'static Format,
     place: OwnedSemaphorePermit,
 ) -> Response {
     meters::render(kind.name(), format.name);
-    let drawing = shared.drawing.clone();
+    let drawing = shared.thing.clone();
     let raster = Raster::new(service, shared, drawing.job.stream(format), place, asker.connection).timed(asker.started);
     let mut response = raster.into_body().into_response();
     let headers = response.headers_mut();
@@ -74,6 +90,28 @@ pub fn tag(key: &Key, fonts: &Fonts, format: &Format) -> String {
     let digest = Sha256::new().chain_update(key).chain_update(by).finalize();
     let hex: String = digest[..16].iter().map(|byte| format!("{byte:02x}")).collect();
     format!("\"{hex}\"")
+}
+
+/// A tag that [`tag`] made.
+pub fn etag(tag: &str) -> ETag {
+    tag.parse().expect("a tag of hexadecimal digits in quotes is one")
+}
+
+/// Whether the reader of a raster of that tag says that it has it already (RFC 9110, section 13.1).
+///
+/// # Errors
+/// It wants another one.
+pub fn is_known(tag: &str, headers: &HeaderMap) -> Result<bool, Problem> {
+    let etag = etag(tag);
+    if headers.contains_key(IF_MATCH) && !headers.typed_get::<IfMatch>().is_some_and(|tags| tags.precondition_passes(&etag)) {
+        return Err(Problem::new(StatusCode::PRECONDITION_FAILED, "changed", "the raster has another tag"));
+    }
+    Ok(headers.contains_key(IF_NONE_MATCH) && !headers.typed_get::<IfNoneMatch>().is_none_or(|tags| tags.precondition_passes(&etag)))
+}
+
+/// The body of an answer that has none and does not tell its length: an empty one would tell a length of 0.
+pub fn no_body() -> Body {
+    Body::from_stream(futures_util::stream::empty::<Result<Bytes, Infallible>>())
 }
 
 /// Names warnings in headers, as far as there is room.

@@ -40,6 +40,8 @@ pub struct Config {
     pub max_drawings: u64,
     /// Bytes of prepared drawings that are kept although nobody reads them at the moment.
     pub cache: u64,
+    /// Bytes of models that are kept, about.
+    pub max_models: u64,
     /// Event streams that are open at the same time.
     pub max_events: usize,
     /// Connections that are open at the same time.
@@ -81,6 +83,7 @@ impl Config {
             max_uploads: 1 << 30,
             max_drawings: 2 << 30,
             cache: 64 << 20,
+            max_models: 512 << 20,
             max_events: 1024,
             max_connections: 4096,
             max_jobs: 10_000,

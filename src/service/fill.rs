@@ -1,17 +1,12 @@
 //! `POST /v1/fill`: a drawing in, its raster out.
 
-use std::sync::Arc;
-
-use axum::Extension;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
 
 use super::Service;
-use super::access::Started;
 use super::answer::{self, Asker};
-use super::connection::Connection;
 use super::params::{FillParams, Params};
 use super::problem::{Details, Problem};
 
@@ -38,13 +33,11 @@ use super::problem::{Details, Problem};
 )]
 pub async fn fill(
     State(service): State<Service>,
-    connection: Option<Extension<Arc<Connection>>>,
-    Extension(Started(started)): Extension<Started>,
+    asker: Asker,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
     body: Body,
 ) -> Result<Response, Problem> {
     let params = Params::Fill(FillParams::read(&query.unwrap_or_default())?);
-    let asker = Asker { connection: connection.map(|c| c.0), started };
     answer::raster(service, asker, &params, &headers, body).await
 }

@@ -4,7 +4,7 @@ use axum::Json;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::ask::scene;
@@ -21,11 +21,6 @@ pub struct Names {
     /// What is drawn but not supported.
     warnings: Vec<String>,
 }
-
-/// No query.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Nothing {}
 
 /// The size of a drawing, and its ids with kind, bounds and edges
 #[utoipa::path(
@@ -49,7 +44,7 @@ pub async fn info(
     headers: HeaderMap,
     body: Body,
 ) -> Result<Json<Names>, Problem> {
-    params::read::<Nothing>(&query.unwrap_or_default())?;
+    params::nothing(query.as_deref())?;
     let document = service.uploads.read(&service.config, Kind::Fill.documents(), &headers, body).await?;
     let work = service.drawings.work(move |config| {
         let _room = document.room;

@@ -45,6 +45,7 @@ fn handle() -> &'static PrometheusHandle {
         describe_gauge!("runset_queue", "Portions and preparations that wait for a thread, by queue");
         describe_gauge!("runset_jobs", "Jobs that are kept");
         describe_gauge!("runset_drawings_bytes", "Bytes of prepared drawings, estimated");
+        describe_gauge!("runset_models_bytes", "Bytes of kept models, estimated");
         describe_histogram!("runset_first_line_seconds", "From a request to its first line");
         handle
     })

@@ -5,8 +5,10 @@
 //!   access      token, origin, log                 problem      errors as RFC 9457
 //!   params      the query                          intake       the body
 //!   ask         what is made of a document         drawings     prepared once, shared
+//!   cache       made once, shared, some kept
 //!   answer      a document in, its raster out      raster       a suspended sweep as a body
 //!   fill        POST /v1/fill                      solid        POST /v1/solid
+//!   models      kept, and seen from anywhere
 //!   jobs        stored, resumable at any byte
 //!   inspect     names of a drawing, how its lines come about
 //!   page        what a browser shows at /
@@ -21,6 +23,7 @@ mod about;
 mod access;
 mod answer;
 mod ask;
+mod cache;
 mod config;
 mod connection;
 mod drawings;
@@ -30,6 +33,7 @@ mod intake;
 #[allow(unused_qualifications, reason = "the macro that describes handlers writes them")]
 mod jobs;
 mod meters;
+mod models;
 mod page;
 mod params;
 mod problem;
@@ -57,6 +61,7 @@ use self::connection::Connections;
 use self::drawings::Drawings;
 use self::intake::Uploads;
 use self::jobs::Jobs;
+use self::models::Models;
 use self::problem::Problem;
 
 /// A service: what its handlers share. A clone is cheap.
@@ -65,6 +70,7 @@ pub struct Service {
     config: Arc<Config>,
     connections: Arc<Connections>,
     drawings: Arc<Drawings>,
+    models: Arc<Models>,
     uploads: Uploads,
     jobs: Arc<Jobs>,
     /// Places for rasters that are being read.
@@ -88,6 +94,7 @@ impl Service {
         Ok(Service {
             connections: Arc::default(),
             drawings: Arc::new(Drawings::new(config.clone())),
+            models: Arc::default(),
             uploads: Uploads::new(config.max_uploads),
             jobs: Arc::new(Jobs::open(&config)?),
             streams: Arc::new(Semaphore::new(config.max_streams)),
@@ -113,6 +120,9 @@ pub fn app(service: &Service) -> Router {
     let (router, api) = OpenApiRouter::with_openapi(about::api())
         .routes(routes!(fill::fill))
         .routes(routes!(solid::solid))
+        .routes(routes!(models::list, models::put))
+        .routes(routes!(models::show, models::delete))
+        .routes(routes!(models::view, models::view_head))
         .routes(routes!(inspect::info))
         .routes(routes!(inspect::explain))
         .routes(routes!(jobs::list, jobs::create))
@@ -141,10 +151,17 @@ pub fn app(service: &Service) -> Router {
 fn cors(origins: &[String]) -> CorsLayer {
     let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
     let exposed = [header::CONTENT_LENGTH, header::CONTENT_RANGE, header::ETAG, header::LOCATION, header::RETRY_AFTER, access::REQUEST_ID];
-    let taken = [header::AUTHORIZATION, header::CONTENT_TYPE, header::IF_RANGE, header::RANGE, HeaderName::from_static("idempotency-key")];
+    let taken = [
+        header::AUTHORIZATION,
+        header::CONTENT_TYPE,
+        header::IF_NONE_MATCH,
+        header::IF_RANGE,
+        header::RANGE,
+        HeaderName::from_static("idempotency-key"),
+    ];
     CorsLayer::new()
         .allow_origin(AllowOrigin::list(origins))
-        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::DELETE])
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::PUT, Method::DELETE])
         .allow_headers(taken)
         .expose_headers(exposed)
 }

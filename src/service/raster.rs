@@ -15,8 +15,9 @@ use axum::body::{Body, Bytes};
 use futures_util::stream;
 use tokio::sync::OwnedSemaphorePermit;
 
+use super::cache::Shared;
 use super::connection::Connection;
-use super::drawings::Shared;
+use super::drawings::Drawing;
 use super::{Service, meters};
 use crate::job::{More, Stream};
 
@@ -33,7 +34,7 @@ pub trait Follow: Send + Sync {
 /// A raster, or a part of it, for one reader.
 pub struct Raster {
     service: Service,
-    _drawing: Shared,
+    _drawing: Shared<Drawing>,
     /// None while a thread has it.
     stream: Option<Box<Stream>>,
     /// Bytes that are not wanted, before those that are.
@@ -80,7 +81,7 @@ impl Raster {
     /// The bytes of `stream` behind the first `skip`, at most `left` of them. `started` is when the request came, if its first line is to be timed.
     pub fn new(
         service: Service,
-        drawing: Shared,
+        drawing: Shared<Drawing>,
         stream: Stream,
         place: OwnedSemaphorePermit,
         connection: Option<Arc<Connection>>,

@@ -1,17 +1,12 @@
 //! `POST /v1/solid`: a model in, its picture out.
 
-use std::sync::Arc;
-
-use axum::Extension;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
 
 use super::Service;
-use super::access::Started;
 use super::answer::{self, Asker};
-use super::connection::Connection;
 use super::params::{Params, SolidParams};
 use super::problem::{Details, Problem};
 
@@ -38,13 +33,11 @@ use super::problem::{Details, Problem};
 )]
 pub async fn solid(
     State(service): State<Service>,
-    connection: Option<Extension<Arc<Connection>>>,
-    Extension(Started(started)): Extension<Started>,
+    asker: Asker,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
     body: Body,
 ) -> Result<Response, Problem> {
     let params = Params::Solid(SolidParams::read(&query.unwrap_or_default())?);
-    let asker = Asker { connection: connection.map(|c| c.0), started };
     answer::raster(service, asker, &params, &headers, body).await
 }

@@ -127,6 +127,30 @@ fn sections_take_away_the_side_that_their_normals_point_to() {
 }
 
 #[test]
+fn several_cameras_make_several_pictures() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    let cameras = ["0,0,0,55,0,0,99", "0,0,0,55,0,90,99", "20,30,40,0,0,0"];
+    let asked: Vec<_> = cameras.iter().map(|camera| format!("--camera {camera}")).collect();
+    let asked = asked.join(" ");
+    let ran = folder.run(&format!("solid m.csg {asked} --imgsize 50,40 -o v-%02d.ppm --aov depth=d%d.pfm --stats"));
+    assert_eq!((ran.status, ran.stderr.lines().filter(|line| line.starts_with('{')).count()), (Some(0), 3), "{}", ran.stderr);
+    for (camera, n) in cameras.iter().zip(1..) {
+        folder.run(&format!("solid m.csg --camera {camera} --imgsize 50,40 -o one.ppm --aov depth=one.pfm")).done();
+        assert_eq!(folder.get(&format!("v-0{n}.ppm")), folder.get("one.ppm"), "{camera}");
+        assert_eq!(folder.get(&format!("d{n}.pfm")), folder.get("one.pfm"), "{camera}");
+    }
+    folder.run("solid m.csg --imgsize 50,40 -o 100%d.ppm").done();
+    assert!(folder.path("1001.ppm").exists(), "one view has a number too");
+    for (output, name) in [("", "<stdout>"), ("-o n.png", "n.png"), ("-o n%3d.png", "n%3d.png"), ("-o n%d.png --aov depth=n.pfm", "n.pfm")]
+    {
+        let what = "is one output: put %d or %03d into its name, for the number of the camera (see runset solid --help)";
+        folder.run(&format!("solid m.csg {asked} {output}")).refused(2, &format!("runset: 3 cameras, and {name} {what}"));
+    }
+    assert!(folder.names().iter().all(|name| !name.starts_with('n')), "{:?}", folder.names());
+}
+
+#[test]
 fn slices_are_what_the_whole_holds_there() {
     let folder = Folder::new();
     folder.put("m.csg", MODEL);

@@ -1,7 +1,7 @@
 // What the tests of the page share: a service, a browser, rasters from the command line.
 
 import { spawn, execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -69,11 +69,23 @@ export async function drawn(page, act) {
   await page.waitForTimeout(150);
 }
 
-/** The raster of the command line as RGB: width, height, bytes. */
-export function raster(...args) {
-  const out = execFileSync(RUNSET, ["fill", ...args, "--format", "ppm", "-o", "-"], { cwd: ROOT, maxBuffer: 1 << 30 });
+/** The raster of a drawing from the command line as RGB: width, height, bytes. */
+export const raster = (...args) => picture("fill", ...args);
+
+/** The same of a command that is named. */
+export function picture(...args) {
+  const out = execFileSync(RUNSET, [...args, "--format", "ppm", "-o", "-"], { cwd: ROOT, maxBuffer: 1 << 30 });
   const head = /^P6\n(\d+) (\d+)\n255\n/.exec(out.subarray(0, 64).toString("latin1"));
   return { width: Number(head[1]), height: Number(head[2]), rgb: out.subarray(head[0].length) };
+}
+
+/** A model in a file: a block with a hole, and a bar in colour. */
+export function model() {
+  const path = join(SCRATCH, "model.csg");
+  writeFileSync(path, `difference() { cube(size = [10, 8, 6], center = true); cylinder(h = 20, r = 2, $fn = 24, center = true); }
+color([1, 0, 0.5]) multmatrix([[0.8, -0.6, 0, -4], [0.6, 0.8, 0, -2], [0, 0, 1, 2], [0, 0, 0, 1]]) { cube(size = [12, 1, 1.5]); }
+`);
+  return path;
 }
 
 /** The canvas as RGBA. */

@@ -8,7 +8,7 @@ import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import AxeBuilder from "./axe.mjs";
-import { ROOT, RUNSET, SCRATCH, browser as launch, canvas, clean, compare, drawn, memory, raster, serve, tab } from "./help.mjs";
+import { ROOT, RUNSET, SCRATCH, browser as launch, canvas, clean, compare, drawn, memory, model, picture, raster, serve, tab } from "./help.mjs";
 
 let service, browser;
 before(async () => {
@@ -74,11 +74,12 @@ test("the reader of line streams", async () => {
       }
       return { lines, summed: reader.summed, runs: reader.runs };
     }, { text: bytes.toString("base64"), chunk });
-  for (const args of [["--expr", "sky - sun", "--width", "301"], ["--width", "120"], ["--scale", "1", "--lines", "4090..4100"]]) {
-    const out = (format) => execFileSync(RUNSET, ["fill", POSTER, ...args, "--format", format, "-o", "-"], { cwd: ROOT, maxBuffer: 1 << 28 });
+  for (const args of [["fill", POSTER, "--expr", "sky - sun", "--width", "301"], ["fill", POSTER, "--width", "120"], ["fill", POSTER, "--lines", "4090..4100"], ["solid", model(), "--imgsize", "99,77"]]) {
+    const out = (format) => execFileSync(RUNSET, [...args, "--format", format, "-o", "-"], { cwd: ROOT, maxBuffer: 1 << 28 });
     const records = out("ndjson").toString().trim().split("\n").map((text) => JSON.parse(text));
-    const several = records[0].inks.length > 1;
-    const expected = records.slice(1, -1).map(({ y, n, runs }) => [y, n, runs.flatMap((run) => (several ? run : [...run, 0]))]);
+    const { inks } = records[0];
+    const told = ([start, end, ink = 0]) => [start, end, inks === "rgb" ? parseInt(ink.slice(1), 16) : ink];
+    const expected = records.slice(1, -1).map(({ y, n, runs }) => [y, n, runs.flatMap(told)]);
     const bytes = out("rls");
     for (const chunk of [1, 7, 65536]) {
       const got = await read(bytes, chunk);
@@ -310,6 +311,28 @@ test("a job is shown, also by its address; commands and downloads are the same r
   await page.waitForTimeout(300);
   assert.deepEqual((await canvas(page)).rgba, first.rgba);
   await page.locator(".job .delete").first().click();
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a job of a model is shown in its colours", async () => {
+  const query = "kind=solid&imgsize=400,300&format=rls&colorscheme=DeepOcean";
+  const answer = await fetch(`${service.address}/v1/jobs?${query}`, { method: "POST", body: readFileSync(model()), headers: { "Content-Type": "text/plain" } });
+  const { id } = await answer.json();
+  const { page, wrong, close } = await tab(browser, service.address, { hash: `#job=${id}` });
+  await page.waitForFunction(() => document.querySelector("#canvas").dataset.done);
+  await page.waitForTimeout(300);
+  assert.match(await page.textContent(".job .format"), /^model, rls/);
+  // Pixel by pixel in the middle of the canvas; the scanline that is looked at lies over it.
+  assert.equal(await page.textContent("#zoom"), "100 %");
+  const shown = await canvas(page);
+  const expected = picture("solid", model(), "--imgsize", "400,300", "--colorscheme", "DeepOcean");
+  const [left, top] = [Math.floor((shown.width - 400) / 2), Math.floor((shown.height - 300) / 2)];
+  const { compared, different } = compare(shown, expected, left, top, (_, y) => Math.abs(y - top - 120) < 9);
+  assert.ok(compared > 100_000, `${compared} pixels compared`);
+  assert.equal(different, 0, "pixels that differ");
+  await page.locator(".job .delete").first().click();
+  await page.waitForSelector(".job", { state: "detached" });
   assert.deepEqual(wrong, []);
   await close();
 });

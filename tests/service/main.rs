@@ -12,6 +12,7 @@ mod full;
 mod kept;
 mod keys;
 mod kills;
+mod models;
 mod outside;
 mod solids;
 mod support;

@@ -9,7 +9,8 @@ use tokio::sync::watch;
 use utoipa::ToSchema;
 
 use super::super::Service;
-use super::super::drawings::{Key, Shared};
+use super::super::cache::{Key, Shared};
+use super::super::drawings::Drawing;
 use super::super::params::{Kind, Params};
 use super::super::problem::Problem;
 use super::super::raster::Follow;
@@ -194,7 +195,7 @@ impl Live {
     }
 
     /// Its drawing, prepared.
-    pub(super) async fn drawing(&self, service: &Service) -> Result<Shared, Problem> {
+    pub(super) async fn drawing(&self, service: &Service) -> Result<Shared<Drawing>, Problem> {
         let path = service.jobs.store.document(&self.id);
         let drawing = service.drawings.get(self.key, self.params.ask()?.of(Box::new(move || std::fs::read(path)))).await;
         // Its document may have been deleted in between.

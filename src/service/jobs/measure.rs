@@ -68,7 +68,7 @@ async fn measure_one(service: &Service, live: &Arc<Live>) {
         Err(problem) if problem.is_passing() => return tokio::time::sleep(Duration::from_secs(1)).await,
         Err(problem) => return live.fail(problem.detail()),
     };
-    let job = &drawing.drawing.job;
+    let job = &drawing.thing.job;
     if let Some(length) = job.length(live.format) {
         return live.change(|now| now.view.bytes = Some(length));
     }

@@ -316,7 +316,7 @@ pub async fn create(
     let document = service.uploads.read(&service.config, params.kind().documents(), &headers, body).await?;
     let (key, bytes) = (params.key(&document.digest), document.bytes.clone());
     let shared = service.drawings.get(key, ask.of(Box::new(move || Ok(bytes.into())))).await?;
-    let header = shared.drawing.job.header();
+    let header = shared.thing.job.header();
     let now = Timestamp::now();
     let view = View {
         id: uuid::Uuid::now_v7().simple().to_string(),
@@ -327,11 +327,11 @@ pub async fn create(
         height: header.height(),
         lines: header.height(),
         lines_delivered: 0,
-        bytes: shared.drawing.job.length(format),
+        bytes: shared.thing.job.length(format),
         created: now,
         finished: None,
         error: None,
-        warnings: shared.drawing.warnings.iter().map(answer::said).collect(),
+        warnings: shared.thing.warnings.iter().map(answer::said).collect(),
         history: vec![Change { state: Phase::Ready, at: now }],
     };
     let tag = answer::tag(&key, &service.config.fonts, format);

@@ -9,19 +9,15 @@
 
 use std::sync::Arc;
 
-use axum::Extension;
 use axum::body::Body;
 use axum::extract::State;
-use axum::http::header::{
-    ACCEPT_RANGES, CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, IF_MATCH, IF_NONE_MATCH, IF_RANGE, RANGE,
-};
+use axum::http::header::{ACCEPT_RANGES, CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, IF_RANGE, RANGE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
-use headers::{ETag, HeaderMapExt, IfMatch, IfNoneMatch, IfRange};
+use headers::{HeaderMapExt, IfRange};
 use http_range_header::RangeUnsatisfiableError;
 
-use super::super::access::Started;
-use super::super::connection::Connection;
+use super::super::answer::{self, Asker};
 use super::super::params::content_type;
 use super::super::problem::{Details, Problem};
 use super::super::raster::Raster;
@@ -63,13 +59,7 @@ enum Wanted {
         (status = 503, description = "Busy, or the length is not known yet", body = Details, content_type = "application/problem+json"),
     )
 )]
-pub async fn read(
-    State(service): State<Service>,
-    Id(id): Id,
-    connection: Option<Extension<Arc<Connection>>>,
-    Extension(Started(started)): Extension<Started>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub async fn read(State(service): State<Service>, Id(id): Id, asker: Asker, headers: HeaderMap) -> Result<Response, Problem> {
     let live = service.jobs.find(&id)?;
     let mut response = match about(&live, &headers)? {
         Ok(response) => response,
@@ -79,7 +69,7 @@ pub async fn read(
     let wanted = wanted(&live, &headers, length)?;
     let place = service.place()?;
     let shared = live.drawing(&service).await?;
-    let job = &shared.drawing.job;
+    let job = &shared.thing.job;
     let (first, end) = match wanted {
         Wanted::All => (0, length.unwrap_or(u64::MAX)),
         Wanted::Bytes(first, end) => (first, end),
@@ -88,8 +78,8 @@ pub async fn read(
     let stream = stream(job, live.format, from).ok_or_else(|| Problem::internal("a checkpoint that is none of this raster"))?;
     meters::render(live.params.kind().name(), live.format.name);
     let skip = first - stream.offset();
-    let raster = Raster::new(service, shared, stream, place, connection.map(|c| c.0)).part(skip, end - first);
-    *response.body_mut() = raster.timed(started).followed(Arc::new(live.read())).into_body();
+    let raster = Raster::new(service, shared, stream, place, asker.connection).part(skip, end - first);
+    *response.body_mut() = raster.timed(asker.started).followed(Arc::new(live.read())).into_body();
     if let (Wanted::Bytes(first, end), Some(length)) = (wanted, length) {
         *response.status_mut() = StatusCode::PARTIAL_CONTENT;
         response.headers_mut().insert(CONTENT_RANGE, range_of(&format!("{first}-{}", end - 1), length));
@@ -111,7 +101,7 @@ pub async fn head(State(service): State<Service>, Id(id): Id, headers: HeaderMap
     let mut response = about(&live, &headers)?.unwrap_or_else(|unchanged| unchanged);
     if !response.headers().contains_key(CONTENT_LENGTH) {
         // An empty body would tell a length of 0.
-        *response.body_mut() = Body::from_stream(futures_util::stream::empty::<Result<axum::body::Bytes, std::convert::Infallible>>());
+        *response.body_mut() = answer::no_body();
     }
     Ok(response)
 }
@@ -126,11 +116,7 @@ fn about(live: &Live, headers: &HeaderMap) -> Result<Result<Response, Response>,
     let mut response = Body::empty().into_response();
     let tag = HeaderValue::from_str(&live.tag).map_err(Problem::internal)?;
     response.headers_mut().insert(ETAG, tag);
-    let etag = etag(live);
-    if headers.contains_key(IF_MATCH) && !headers.typed_get::<IfMatch>().is_some_and(|tags| tags.precondition_passes(&etag)) {
-        return Err(Problem::new(StatusCode::PRECONDITION_FAILED, "changed", "the raster has another tag"));
-    }
-    if headers.contains_key(IF_NONE_MATCH) && !headers.typed_get::<IfNoneMatch>().is_none_or(|tags| tags.precondition_passes(&etag)) {
+    if answer::is_known(&live.tag, headers)? {
         *response.status_mut() = StatusCode::NOT_MODIFIED;
         return Ok(Err(response));
     }
@@ -145,15 +131,12 @@ fn about(live: &Live, headers: &HeaderMap) -> Result<Result<Response, Response>,
     Ok(Ok(response))
 }
 
-fn etag(live: &Live) -> ETag {
-    live.tag.parse().expect("a tag of hexadecimal digits in quotes is one")
-}
-
 /// What is asked for. A range that is not understood is as none (RFC 9110, section 14.2), and so are several.
 fn wanted(live: &Live, headers: &HeaderMap, length: Option<u64>) -> Result<Wanted, Problem> {
     let Some(range) = headers.get(RANGE).and_then(|range| range.to_str().ok()) else { return Ok(Wanted::All) };
     // Dates say nothing here: a tag that is another, or none, means the whole.
-    if headers.contains_key(IF_RANGE) && headers.typed_get::<IfRange>().is_none_or(|if_range| if_range.is_modified(Some(&etag(live)), None))
+    if headers.contains_key(IF_RANGE)
+        && headers.typed_get::<IfRange>().is_none_or(|if_range| if_range.is_modified(Some(&answer::etag(&live.tag)), None))
     {
         return Ok(Wanted::All);
     }

@@ -18,7 +18,7 @@ use utoipa::ToSchema;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 
 use super::ask::Ask;
-use super::drawings::Key;
+use super::cache::Key;
 use super::problem::Problem;
 use crate::encode::{FORMATS, Format, by_name};
 use crate::job;
@@ -142,6 +142,17 @@ impl Params {
 pub fn read<T: DeserializeOwned>(query: &str) -> Result<T, Problem> {
     let pairs = serde_urlencoded::Deserializer::new(form_urlencoded::parse(query.as_bytes()));
     serde_path_to_error::deserialize(pairs).map_err(|error| Problem::malformed(format!("the query: {error}")))
+}
+
+/// Reads the query of a call that takes none.
+///
+/// # Errors
+/// It is one.
+pub fn nothing(query: Option<&str>) -> Result<(), Problem> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Nothing {}
+    read::<Nothing>(query.unwrap_or_default()).map(|_| ())
 }
 
 /// Takes a name out of a query: its values, and the query without it.
