@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test uses some of it")]
 
 pub mod drawn;
+pub mod jobs;
 
 use std::sync::Arc;
 
