@@ -2,55 +2,19 @@
 
 mod models;
 
-use std::sync::Arc;
-
-use glam::{DQuat, DVec3, EulerRot};
-use models::{Random, cube, moved, part, random_model, random_view, shifted, view};
-use runset::count::{Program, Rule};
+use glam::DVec3;
+use models::drawn::{Seen, drawn, stage, stage_with};
+use models::{Random, random_model, random_view};
 use runset::mesh::Model;
 use runset::mesh::check::all_placed;
-use runset::scene::{Area, Formula, Gate, compile};
-use runset::solid::body::{Body, Plane};
+use runset::scene::{Area, Formula, Gate};
+use runset::solid::body::Plane;
 use runset::solid::savings::Savings;
-use runset::solid::spans::Spans;
 use runset::solid::stage::Stage;
-use runset::solid::view::{Projection, View};
 use runset::sweep::Sweep;
 
 fn effort() -> u64 {
     std::env::var("RUNSET_EFFORT").ok().and_then(|n| n.parse().ok()).unwrap_or(1)
-}
-
-fn stage(model: &Model, view: View, sections: &[Plane]) -> Arc<Stage> {
-    stage_with(model, view, sections, Savings::default())
-}
-
-fn stage_with(model: &Model, view: View, sections: &[Plane], savings: Savings) -> Arc<Stage> {
-    let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
-    let _: &Program = &program;
-    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections, savings))
-}
-
-/// What a pixel shows: part, face, nearness.
-type Seen = Option<(u32, u32, i128)>;
-
-fn drawn(stage: &Arc<Stage>, rows: std::ops::Range<u32>, savings: Savings) -> Vec<Vec<Seen>> {
-    let mut spans = Spans::new(stage.clone(), rows, savings);
-    let mut picture = Vec::new();
-    while let Some((y, line)) = spans.next() {
-        let mut pixels = vec![None; stage.view.width as usize];
-        let mut last = 0;
-        for span in line {
-            assert!(last <= span.start && span.start < span.end && span.end <= stage.view.width);
-            last = span.end;
-            for x in span.start..span.end {
-                let face = &stage.faces[span.face as usize];
-                pixels[x as usize] = Some((face.part, span.face, stage.depths[face.plane as usize].at(x, y)));
-            }
-        }
-        picture.push(pixels);
-    }
-    picture
 }
 
 /// Truth of all areas, from the sums of the leaves, straight from the definition of the gates.
@@ -169,131 +133,6 @@ fn the_picture_is_that_of_every_pixel_by_itself() {
         shown += expected.iter().flatten().flatten().count();
     }
     assert!(shown * 20 > pixels, "{shown} of {pixels} pixels show something");
-}
-
-/// What the rays of a view meet of unions and differences of boxes, from their coordinates alone: `list` is boxes with +1 or -1, the difference of the
-/// union of the first and the union of the second. Gives the index of the box whose side is seen.
-fn meets(boxes: &[([f64; 3], [f64; 3], bool)], eye: DVec3, direction: DVec3) -> Option<(f64, Vec<usize>)> {
-    let spans: Vec<(f64, f64)> = boxes
-        .iter()
-        .map(|(least, most, _)| {
-            let mut span = (f64::NEG_INFINITY, f64::INFINITY);
-            for i in 0..3 {
-                let (a, b) = ((least[i] - eye[i]) / direction[i], (most[i] - eye[i]) / direction[i]);
-                let (a, b) =
-                    if direction[i] == 0.0 && (eye[i] < least[i] || eye[i] > most[i]) { (1.0, -1.0) } else { (a.min(b), a.max(b)) };
-                span = (span.0.max(a), span.1.min(b));
-            }
-            span
-        })
-        .collect();
-    let mut events: Vec<f64> = spans.iter().filter(|s| s.0 < s.1).flat_map(|s| [s.0, s.1]).filter(|t| *t > 0.0).collect();
-    events.sort_by(f64::total_cmp);
-    events.dedup();
-    // Just behind each event: halfway to the next.
-    for (i, &t) in events.iter().enumerate() {
-        let behind = events.get(i + 1).map_or(t + 1.0, |next| (t + next) / 2.0);
-        let within = |i: usize| spans[i].0 < behind && behind < spans[i].1;
-        let inside = (0..boxes.len()).any(|i| boxes[i].2 && within(i)) && !(0..boxes.len()).any(|i| !boxes[i].2 && within(i));
-        if inside {
-            return Some((t, (0..boxes.len()).filter(|&i| spans[i].0 == t || spans[i].1 == t).collect()));
-        }
-    }
-    None
-}
-
-fn boxes_model(boxes: &[([f64; 3], [f64; 3], bool)]) -> Model {
-    let parts = boxes.iter().map(|b| part(cube(b.0, b.1), shifted(0.0, 0.0, 0.0))).collect();
-    let mut formula = Formula::default();
-    let all: Vec<Area> = (0..boxes.len() as u32).map(|i| formula.shape(i)).collect();
-    let of = |wanted: bool| all.iter().zip(boxes).filter(|(_, b)| b.2 == wanted).map(|(area, _)| *area).collect::<Vec<_>>();
-    let (whole, holes) = (of(true), of(false));
-    let whole = formula.any(&whole);
-    let area = formula.without(whole, &holes);
-    Model { parts, formula, area }
-}
-
-/// Compares a turned model of boxes with the rays turned back into its own coordinates; gives how many pixels show what no ray near their centre meets.
-fn wrong_pixels(boxes: &[([f64; 3], [f64; 3], bool)], turn: DQuat, view: View) -> (usize, usize) {
-    let stage = stage(&moved(&boxes_model(boxes), turn, DVec3::ZERO), view, &[]);
-    let back = turn.inverse();
-    let ray = |x: f64, y: f64| {
-        let [right, down, forward] = view.axes;
-        let (x, y) = (x - f64::from(view.width) / 2.0, y - f64::from(view.height) / 2.0);
-        match view.projection {
-            Projection::Perspective { focal, .. } => (back * view.eye, back * (forward + right * (x / focal) + down * (y / focal))),
-            Projection::Orthographic { scale } => (back * (view.eye + right * (x / scale) + down * (y / scale)), back * forward),
-        }
-    };
-    let (mut wrong, mut shown) = (0, 0);
-    for (y, line) in drawn(&stage, 0..view.height, Savings::default()).iter().enumerate() {
-        for (x, seen) in line.iter().enumerate() {
-            shown += usize::from(seen.is_some());
-            let fits = |dx: f64, dy: f64| {
-                let (eye, direction) = ray(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy);
-                match (seen, meets(boxes, eye, direction)) {
-                    (None, None) => true,
-                    (Some((part, _, near)), Some((t, parts))) => {
-                        let z = stage.view.distance(*near, stage.farthest);
-                        parts.contains(&(*part as usize)) && (z - t).abs() < 1e-2 * t
-                    }
-                    _ => false,
-                }
-            };
-            // A hair, and twice what rounding can do.
-            const NEAR: f64 = 1e-5;
-            let around = [
-                (0.0, 0.0),
-                (NEAR, NEAR),
-                (-NEAR, NEAR),
-                (NEAR, -NEAR),
-                (-NEAR, -NEAR),
-                (NEAR, 0.0),
-                (-NEAR, 0.0),
-                (0.0, NEAR),
-                (0.0, -NEAR),
-            ];
-            let fits = around.iter().any(|&(dx, dy)| fits(dx, dy));
-            if !fits {
-                let (eye, direction) = ray(x as f64 + 0.5, y as f64 + 0.5);
-                eprintln!("pixel {x} {y}: {seen:?}, the ray meets {:?}", meets(boxes, eye, direction));
-            }
-            wrong += usize::from(!fits);
-        }
-    }
-    (wrong, shown)
-}
-
-#[test]
-fn coplanar_boxes_show_what_the_rays_meet() {
-    let unit = ([-1.0; 3], [1.0; 3]);
-    let half = ([0.0, -1.0, -1.0], [2.0, 1.0, 1.0]);
-    let beside = ([1.0, -1.0, -1.0], [3.0, 1.0, 1.0]);
-    let scenes: [&[_]; 5] = [
-        &[(unit.0, unit.1, true), (half.0, half.1, false)],
-        &[(unit.0, unit.1, true), (half.0, half.1, true)],
-        &[(unit.0, unit.1, true), (beside.0, beside.1, true)],
-        &[(unit.0, unit.1, true), (beside.0, beside.1, true), ([-0.5, -1.0, -0.5], [2.5, 1.0, 0.5], false)],
-        &[(unit.0, unit.1, true), (beside.0, beside.1, true), (half.0, half.1, false), ([-1.0, 0.0, 0.0], [3.0, 1.0, 1.0], true)],
-    ];
-    let mut random = Random(7);
-    for i in 0..6 * effort() {
-        let turn = match i {
-            0 => DQuat::IDENTITY,
-            _ => DQuat::from_euler(EulerRot::XYZ, random.unit() * 6.0, random.unit() * 6.0, random.unit() * 6.0),
-        };
-        for boxes in scenes {
-            let size = if i % 6 == 5 { 2048 } else { 512 };
-            let perspective = Projection::Perspective { focal: f64::from(size) * 2.0, near: 1.0 };
-            let orthographic = Projection::Orthographic { scale: f64::from(size) / 6.0 };
-            for projection in [perspective, orthographic] {
-                let view = view(size, size, DVec3::new(5.0, -9.0, 5.0), DVec3::new(1.0, 0.0, 0.0), projection);
-                let (wrong, shown) = wrong_pixels(boxes, turn, view);
-                assert!(shown > 1000, "{shown}");
-                assert_eq!(wrong, 0, "turn {i}, {} boxes, {projection:?}", boxes.len());
-            }
-        }
-    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Random scenes are the same bytes in every format, however many threads write them, pulled or in slices.
 
+mod models;
 mod oracle;
 
 use oracle::random::Rng;
@@ -94,6 +95,29 @@ fn every_format_is_the_same_with_any_threads_and_slices() {
                 while stream.next_band(&mut pulled) == More::More {}
                 assert!(pulled == expected, "seed {seed}, {}, pulled", format.name);
             }
+        }
+    }
+}
+
+#[test]
+fn models_are_the_same_with_any_threads() {
+    for seed in 5500..5500 + effort(8) {
+        let mut random = models::Random(seed);
+        let (width, height) = (40 + random.below(200) as u32, 1 + random.below(900) as u32);
+        let job = models::jobs::random_job(&mut random, width, height);
+        let mut lines: Vec<Vec<Run>> = Vec::new();
+        let mut rows = job.rows();
+        while let Some(row) = rows.next() {
+            lines.resize(lines.len() + row.n as usize, row.runs.to_vec());
+        }
+        for format in FORMATS {
+            let expected = plainly(job.header(), &lines, format);
+            for threads in [1, 2, 3, 8] {
+                assert!(rendered(&job, format, threads) == expected, "seed {seed}, {}, {threads} threads", format.name);
+            }
+            let (mut stream, mut pulled) = (job.stream(format), Vec::new());
+            while stream.next_band(&mut pulled) == More::More {}
+            assert!(pulled == expected, "seed {seed}, {}, pulled", format.name);
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Models for tests: meshes, random trees of them, views.
 #![allow(dead_code, reason = "each test uses some of it")]
 
+pub mod drawn;
+pub mod jobs;
+
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};

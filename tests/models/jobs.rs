@@ -1,0 +1,35 @@
+//! Models as jobs.
+
+use runset::job::{Job, Kept, SolidOptions};
+use runset::mesh::Model;
+use runset::solid::camera::{Camera, Setup};
+
+use super::{Random, random_model};
+
+/// A camera from which most of a random model is seen.
+pub fn random_setup(random: &mut Random, width: u32, height: u32) -> Setup {
+    let mut direction = || 0.2 + random.unit() * 2.0;
+    let [x, y, z] = [direction(), -direction(), direction() - 1.0];
+    let away = (10.0 + random.unit() * 8.0) / (x * x + y * y + z * z).sqrt();
+    let camera = Some(Camera::Vector([x * away, y * away, z * away, 0.1, 0.0, -0.1]));
+    Setup { camera, orthographic: random.below(2) == 0, width, height, ..Setup::default() }
+}
+
+pub fn job(model: &Model, setup: Setup) -> Job {
+    Job::solid(&Kept::new(model, &mut Vec::new()), &SolidOptions { setup, ..SolidOptions::default() }).expect("a page and a camera")
+}
+
+/// A random model in colours, some of its parts in those of the scheme.
+pub fn colored_model(random: &mut Random, most: u64) -> Model {
+    let mut model = random_model(random, most);
+    for part in &mut model.parts {
+        part.color = (random.below(4) > 0).then(|| [0; 3].map(|_| random.below(256) as u8));
+    }
+    model
+}
+
+/// A random model on a page.
+pub fn random_job(random: &mut Random, width: u32, height: u32) -> Job {
+    let model = colored_model(random, 6);
+    job(&model, random_setup(random, width, height))
+}
