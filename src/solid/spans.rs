@@ -80,6 +80,8 @@ pub struct Spans {
     cells: Cells,
     sight: Option<Sight>,
     spans: Vec<Span>,
+    /// Columns at which spans of the scanline were split.
+    splits: Vec<u32>,
     cost: Cost,
     timers: Timers,
 }
@@ -114,6 +116,7 @@ impl Spans {
             cells: Cells::new(if savings.lines { faces } else { 0 }),
             sight: None,
             spans: Vec::new(),
+            splits: Vec::new(),
             cost: Cost::default(),
             timers: Timers::default(),
             stage,
@@ -142,13 +145,20 @@ impl Spans {
             self.repeat = Some(Scanline { y: y + 1, n: n - 1, changed: false });
         }
         self.timers.lap(Part::Edges);
+        self.splits.clear();
         self.scanline(&scanline);
+        self.cost.crossings += self.splits.len() as u64;
         Some((y, &self.spans))
     }
 
     /// What the scanlines have cost so far.
     pub fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// The columns at which spans of the scanline that was given last ended at a crossing of faces.
+    pub fn splits(&self) -> &[u32] {
+        &self.splits
     }
 
     /// How many edges are active on the scanline that was given last.
@@ -284,7 +294,9 @@ impl Spans {
             let end = sight.until.min(columns.end);
             self.show(start..end, sight.seen);
             self.cost.spans += 1;
-            self.cost.crossings += u64::from(end < columns.end);
+            if end < columns.end {
+                self.splits.push(end);
+            }
             start = end;
         }
         whole

@@ -25,6 +25,7 @@ impl Part {
 pub struct Timers {
     last: Option<Instant>,
     times: [Duration; Part::ALL.len()],
+    laps: [u32; Part::ALL.len()],
 }
 
 impl Timers {
@@ -38,11 +39,21 @@ impl Timers {
         if let Some(last) = &mut self.last {
             let now = Instant::now();
             self.times[part as usize] += now - std::mem::replace(last, now);
+            self.laps[part as usize] += 1;
         }
     }
 
-    /// How long a part has taken.
-    pub fn of(&self, part: Part) -> Duration {
-        self.times[part as usize]
+    /// How long a part has taken, without the clock itself, of which a look takes so long.
+    pub fn of(&self, part: Part, look: Duration) -> Duration {
+        self.times[part as usize].saturating_sub(look * self.laps[part as usize])
+    }
+
+    /// How long a look at the clock takes.
+    pub fn look() -> Duration {
+        const LAPS: u32 = 10_000;
+        let mut timers = Timers::default();
+        timers.start();
+        (0..LAPS).for_each(|_| timers.lap(Part::Edges));
+        timers.times[Part::Edges as usize] / LAPS
     }
 }
