@@ -23,7 +23,7 @@ fn effort() -> u64 {
 fn stage(model: &Model, view: View, sections: &[Plane]) -> Arc<Stage> {
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
     let _: &Program = &program;
-    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections))
+    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new()), u64::MAX).unwrap(), program, &leaves, view, sections))
 }
 
 /// What a pixel shows: part, face, nearness.

@@ -18,11 +18,13 @@
 //! Edges are winged ("CSG", section 4.1): an edge knows the face on each of its sides. In an open mesh, or where more than two faces meet, an edge has one
 //! face and nothing on its other side.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 use foldhash::fast::FixedState;
 use glam::DVec3;
 
+use crate::error::{Error, Kind, Result};
 use crate::mesh::check::Placed;
 use crate::mesh::{Mesh, Model};
 use crate::run::Rgb;
@@ -96,13 +98,16 @@ pub struct Body {
 
 impl Body {
     /// The faces and edges of a model's parts, which are given at their places ([`crate::mesh::check`]). Faces without an area and edges without a
-    /// length are left out.
-    pub fn new(model: &Model, placed: &[Placed]) -> Body {
+    /// length are left out. At most `pairs` of points, edges and faces are compared with each other.
+    ///
+    /// # Errors
+    /// So many are near each other that it would be more.
+    pub fn new(model: &Model, placed: &[Placed], pairs: u64) -> Result<Body> {
         let mut raw = Raw::default();
         for (part, index) in placed.iter().zip(0..) {
             raw.add(&part.mesh, index);
         }
-        raw.finish(model)
+        raw.finish(model, pairs)
     }
 }
 
@@ -130,14 +135,14 @@ impl Raw {
         }
     }
 
-    fn finish(self, model: &Model) -> Body {
+    fn finish(self, model: &Model, pairs: u64) -> Result<Body> {
         let Raw { points, faces, mut corners } = self;
         let bounds = points
             .iter()
             .fold(None, |bounds: Option<(DVec3, DVec3)>, &p| Some(bounds.map_or((p, p), |(least, most)| (least.min(p), most.max(p)))));
         let (least, most) = bounds.unwrap_or_default();
         let size = (most - least).length().max(f64::MIN_POSITIVE);
-        let space = Space { middle: (least + most) / 2.0, size, same: SAME * size };
+        let space = Space { middle: (least + most) / 2.0, size, same: SAME * size, pairs: pairs.into() };
 
         let (points, point_of) = space.distinct_points(&points);
         corners.iter_mut().for_each(|corner| *corner = point_of[*corner as usize]);
@@ -168,7 +173,11 @@ impl Raw {
         let mut edges = winged(&flat);
         let lines = space.distinct_lines(&points, &mut edges);
         let ranks = ranks(model, &points, &flat);
-        Body { points, lines, planes, edges, faces, ranks, bounds }
+        if space.pairs.get() == 0 {
+            let what = format!("its edges and faces are too near to each other, more than {pairs} pairs of them: use a coarser model");
+            return Err(Error::input(Kind::Limit, what));
+        }
+        Ok(Body { points, lines, planes, edges, faces, ranks, bounds })
     }
 }
 
@@ -247,6 +256,8 @@ struct Space {
     middle: DVec3,
     size: f64,
     same: f64,
+    /// Pairs that may still be compared. At 0 nothing is found any more, and what was found is of no use.
+    pairs: Cell<u64>,
 }
 
 impl Space {
@@ -256,7 +267,7 @@ impl Space {
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         let key = |i: u32| points[i as usize].to_array().map(ordered);
         order.sort_unstable_by_key(|&i| key(i));
-        let mut cells = Cells::new(points.len());
+        let mut cells = Cells::new(points.len(), &self.pairs);
         let (mut distinct, mut of): (Vec<DVec3>, _) = (Vec::new(), vec![0; points.len()]);
         for i in order {
             let p = points[i as usize];
@@ -287,7 +298,7 @@ impl Space {
             let (plane, area) = (&planes[i as usize], faces[i as usize].area.length());
             (std::cmp::Reverse(ordered(area)), plane.normal.to_array().map(ordered), ordered(plane.offset))
         });
-        let mut cells = Cells::new(faces.len());
+        let mut cells = Cells::new(faces.len(), &self.pairs);
         let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
         for i in order {
             let (face, plane) = (&faces[i as usize], planes[i as usize]);
@@ -321,7 +332,7 @@ impl Space {
             let [from, to] = ends(edge).map(|p| p.to_array().map(ordered));
             (std::cmp::Reverse(ordered(points[edge.from as usize].distance(points[edge.to as usize]))), from.min(to), from.max(to))
         });
-        let mut cells = Cells::new(edges.len());
+        let mut cells = Cells::new(edges.len(), &self.pairs);
         let mut distinct: Vec<Line> = Vec::new();
         for i in order {
             let edge = &mut edges[i as usize];
@@ -354,16 +365,18 @@ fn is_turned(direction: DVec3) -> bool {
 }
 
 /// Items by the cell of a grid that they are in.
-struct Cells<const N: usize> {
+struct Cells<'s, const N: usize> {
+    /// See [`Space::pairs`].
+    pairs: &'s Cell<u64>,
     /// The last item of a cell.
     last: HashMap<[i32; N], u32, FixedState>,
     /// For every item the one before it in its cell.
     before: Vec<u32>,
 }
 
-impl<const N: usize> Cells<N> {
-    fn new(items: usize) -> Cells<N> {
-        Cells { last: HashMap::with_capacity_and_hasher(items.min(1 << 16), FixedState::default()), before: Vec::new() }
+impl<'s, const N: usize> Cells<'s, N> {
+    fn new(items: usize, pairs: &'s Cell<u64>) -> Cells<'s, N> {
+        Cells { pairs, last: HashMap::with_capacity_and_hasher(items.min(1 << 16), FixedState::default()), before: Vec::new() }
     }
 
     /// Adds item `item`, the next number, at a place in units of cells.
@@ -401,7 +414,8 @@ impl<const N: usize> Cells<N> {
                 continue;
             }
             let mut item = self.last.get(&other).copied().unwrap_or(NOTHING);
-            while item != NOTHING {
+            while item != NOTHING && self.pairs.get() > 0 {
+                self.pairs.update(|pairs| pairs - 1);
                 if found.is_none_or(|found| item < found) && same(item) {
                     found = Some(item);
                 }
