@@ -101,7 +101,7 @@ fn line(name: &str, model: &Model, setup: &Setup, savings: Savings, runs: u32, o
     for run in 0..=runs {
         let mut warming: [Times; 3] = Default::default();
         let [bodies, stages, walks] = if run == 0 { &mut warming } else { &mut times };
-        let body = bodies.time(|| Body::new(model, &placed));
+        let body = bodies.time(|| Body::new(model, &placed, u64::MAX))?;
         let (view, program) = (setup.view(body.bounds), program.clone());
         let stage = Arc::new(stages.time(|| Stage::new(&body, program, &leaves, view, &[], savings)));
         faces = stage.faces.len();

@@ -25,6 +25,7 @@ use runset::encode::by_name;
 use runset::input::{ModelOptions, read_model};
 use runset::job::{Aov, Job, Kept, SolidOptions};
 use runset::mesh::check::all_placed;
+use runset::scene::Limits;
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::shade::SCHEMES;
 
@@ -84,7 +85,7 @@ fn ours(shot: &Shot) -> RgbImage {
     let options = ModelOptions { folder: shot.csg.parent().map(Path::to_owned), ..ModelOptions::default() };
     let mut model = read_model(&std::fs::read(&shot.csg).unwrap(), &options, &mut warnings).unwrap();
     model.parts.iter_mut().for_each(|part| part.color = None);
-    let kept = Kept::new(&model, &mut warnings);
+    let kept = Kept::new(&model, &Limits::default(), &mut warnings).unwrap();
     let job = Job::solid(&kept, &SolidOptions { setup: shot.setup, ..SolidOptions::default() }).unwrap();
     assert!(warnings.iter().all(|w| w.what.contains("is empty") || w.what.contains("open edges")), "{}: {warnings:?}", shot.name);
     let (mut colours, mut normals) = (Vec::new(), Vec::new());

@@ -5,6 +5,7 @@ import { access, address, call, setToken, token, withToken } from "./api.js";
 import * as state from "./address.js";
 import { desk, drawn, expression, input, jobs, scanline, select, size, stage } from "./desk.js";
 import { named } from "./expression.js";
+import * as models from "./model.js";
 import { list } from "./names.js";
 import { SAMPLES } from "./samples.js";
 import { fault } from "./size.js";
@@ -31,7 +32,46 @@ async function loadSample(name, wanted) {
 /** @param {File} file */
 async function loadFile(file) {
   loads++;
+  if (models.isModel(file.name)) return openModel(file);
   await open({ name: file.name, file: file.name, sample: "", blob: file }, {});
+}
+
+/** @param {File} file */
+async function openModel(file) {
+  const load = loads;
+  problem("drawing-problem");
+  at("drawing-note").textContent = `${file.name}, ${bytes(file.size)}: reading\u2026`;
+  try {
+    const model = await models.keep(file.name, file);
+    if (load !== loads) return;
+    clear();
+    desk.model = model;
+    models.wear(true);
+    at("drawing-note").textContent = models.told(model);
+    at("empty").hidden = true;
+    remember();
+    models.show();
+  } catch (error) {
+    refused(file.name, /** @type {import("./api.js").Problem} */ (error));
+  }
+}
+
+/** Says why what was to be opened is not. @param {string} name @param {import("./api.js").Problem} error */
+function refused(name, { message, line, column, status }) {
+  const shown = desk.model ?? desk.drawing;
+  at("drawing-note").textContent = shown ? `Still showing ${shown.name}.` : "";
+  if (status !== 401) problem("drawing-problem", `${name}${line ? `:${line}:${column}` : ""}: ${message}`);
+}
+
+/** Takes away all that belongs to what was shown. */
+function clear() {
+  desk.job = desk.drawing = desk.model = undefined;
+  models.wear(false);
+  select("sample").value = "";
+  problem("drawing-problem");
+  list([], { light: () => {}, dark: () => {}, insert: () => {}, follow: () => {} });
+  showTries([]);
+  scanline.show(undefined);
 }
 
 /**
@@ -48,13 +88,11 @@ async function open(found, { expr = "", size }) {
   try {
     info = await (await call("v1/info", { method: "POST", body: found.blob, headers: { "Content-Type": media } })).json();
   } catch (error) {
-    const { message, line, column, status } = /** @type {import("./api.js").Problem} */ (error);
-    at("drawing-note").textContent = desk.drawing ? `Still showing ${desk.drawing.name}.` : "";
-    if (status !== 401) problem("drawing-problem", `${found.name}${line ? `:${line}:${column}` : ""}: ${message}`);
-    return;
+    return refused(found.name, /** @type {import("./api.js").Problem} */ (error));
   }
   if (load !== loads) return;
-  desk.job = undefined;
+  desk.job = desk.model = undefined;
+  models.wear(false);
   desk.drawing = { ...found, media, info, warnings: info.warnings };
   const warnings = info.warnings.length ? ` ${info.warnings.length === 1 ? "A warning" : `${info.warnings.length} warnings`}: ${info.warnings.slice(0, 3).join("; ")}` : "";
   at("drawing-note").textContent = `${found.name}, ${bytes(found.blob.size)}, ${number(info.width)} × ${number(info.height)} user units.${warnings}`;
@@ -167,14 +205,9 @@ function show() {
 /** @param {import("./jobs.js").Job} shown */
 function showJob(shown) {
   loads++;
+  clear();
   desk.job = shown;
-  desk.drawing = undefined;
-  select("sample").value = "";
   at("drawing-note").textContent = `The raster of a job: ${shown.width} × ${shown.height} px, ${shown.format}. Choose a drawing to go on with one.`;
-  problem("drawing-problem");
-  list([], { light: () => {}, dark: () => {}, insert: () => {}, follow: () => {} });
-  showTries([]);
-  scanline.show(undefined);
   remember();
   if (shown.format !== "rls") {
     stage.show(undefined);

@@ -42,7 +42,7 @@ export function paint(stage) {
     c.fillStyle = "#e4472f";
     c.fillRect(left, y, width, Math.max(1, Math.round(stage.ratio)));
   }
-  paintProbe(stage, left, width, X, Y);
+  if (!content.turn) paintProbe(stage, left, width, X, Y);
 }
 
 /**

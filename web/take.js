@@ -90,10 +90,14 @@ at("keep").addEventListener("click", async () => {
   }
 });
 
-/** Lists the formats that the service has. */
+/** Lists the formats and the colour schemes that the service has. */
 export async function formats() {
   const api = await (await call("openapi.json")).json();
-  const found = api.paths["/v1/fill"].post.parameters.find((/** @type {{ name: string }} */ { name }) => name === "format").schema.enum;
-  select("format").replaceChildren(...found.map((/** @type {string} */ name) => make("option", { value: name }, name)));
+  /** The values that a parameter of a call may have. @type {(path: string, wanted: string) => string[]} */
+  const values = (path, wanted) => api.paths[path].post.parameters.find((/** @type {{ name: string }} */ { name }) => name === wanted).schema.enum;
+  const options = (/** @type {string[]} */ names) => names.map((name) => make("option", { value: name }, name));
+  const found = values("/v1/fill", "format");
+  select("format").replaceChildren(...options(found));
+  select("camera-scheme").replaceChildren(...options(values("/v1/solid", "colorscheme")));
   select("format").value = found.includes(state.read().format) ? state.read().format : "png";
 }

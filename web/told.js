@@ -34,8 +34,8 @@ stage.addEventListener("begun", () => {
 stage.addEventListener("header", (event) => {
   const { from, to, warnings } = /** @type {CustomEvent} */ (event).detail;
   lines = to - from;
-  // What the drawing itself is warned of stands beside it already.
-  const fresh = (desk.drawing?.warnings ?? []).reduce((text, known) => text.replace(known, ""), warnings).replace(/^[,\s]+/, "");
+  // What the document itself is warned of stands beside it already.
+  const fresh = (desk.drawing?.warnings ?? desk.model?.kept.warnings ?? []).reduce((text, known) => text.replace(known, ""), warnings).replace(/^[,\s]+/, "");
   if (fresh && !desk.job) problem("stream-problem", fresh);
 });
 stage.addEventListener("first", (event) => {

@@ -87,7 +87,7 @@ fn stage(name: &str, size: u32, savings: Savings) -> Result<Arc<Stage>> {
     let setup = Setup { camera: Some(camera), width: size, height: size, ..Setup::default() };
     let model = &solid.model;
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
-    let body = Body::new(model, &all_placed(model, &mut Vec::new()));
+    let body = Body::new(model, &all_placed(model, &mut Vec::new()), u64::MAX)?;
     let view = setup.view(body.bounds);
     Ok(Arc::new(Stage::new(&body, program, &leaves, view, &[], savings)))
 }

@@ -80,8 +80,11 @@ struct Bounds {
     #[arg(long, value_name = "N", default_value_t = 20_000_000, env = "RUNSET_MAX_EDGES")]
     max_edges: u64,
     /// Faces of a model, all parts together
-    #[arg(long, value_name = "N", default_value_t = 2_000_000, env = "RUNSET_MAX_FACES")]
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, env = "RUNSET_MAX_FACES")]
     max_faces: u64,
+    /// Points, edges and faces of a model compared in pairs, to tell which are the same
+    #[arg(long, value_name = "N", default_value_t = 1 << 32, env = "RUNSET_MAX_PAIRS")]
+    max_pairs: u64,
     /// Pixels of a raster
     #[arg(long, value_name = "N", default_value_t = 1 << 40, env = "RUNSET_MAX_PIXELS")]
     max_pixels: u64,
@@ -171,7 +174,13 @@ impl Serve {
             None => folder().ok_or_else(|| Failure::Usage("there is no home folder: name a folder for the jobs with --data".to_owned()))?,
         };
         let bounds = &self.limits;
-        let limits = Limits { input: self.limit.max_input, edges: bounds.max_edges, faces: bounds.max_faces, ..Limits::default() };
+        let limits = Limits {
+            input: self.limit.max_input,
+            edges: bounds.max_edges,
+            faces: bounds.max_faces,
+            pairs: bounds.max_pairs,
+            ..Limits::default()
+        };
         let or_cores = |n: Option<u32>| n.map_or(limits.threads, |n| n as usize);
         Ok(Config {
             token: self.token.clone(),

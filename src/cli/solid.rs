@@ -163,7 +163,7 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let mut warnings = Vec::new();
     let model = read_model(&bytes, &reading, &mut warnings).map_err(|error| of_input.failure(&error))?;
     drop(bytes);
-    let kept = Kept::new(&model, &mut warnings);
+    let kept = Kept::new(&model, &limits, &mut warnings).map_err(|error| of_input.failure(&error))?;
     drop(model);
     of_input.warn(&warnings, args.work.strict)?;
 

@@ -3,11 +3,11 @@
 use super::extents::Extents;
 use super::model::bounds;
 use crate::count::{Node, Program, Rule};
-use crate::error::Warning;
+use crate::error::{Result, Warning};
 use crate::mesh::Model;
 use crate::mesh::check::all_placed;
 use crate::run::Rgb;
-use crate::scene;
+use crate::scene::{self, Limits};
 use crate::solid::body::{Body, Edge, Face, Line, Plane};
 
 /// A model with identity and its counting program, in no view yet.
@@ -24,21 +24,24 @@ pub struct Kept {
 
 impl Kept {
     /// Closes and turns the parts and finds which of their points, lines and planes are the same. `warnings` receives what is wrong with the meshes.
-    pub fn new(model: &Model, warnings: &mut Vec<Warning>) -> Kept {
+    ///
+    /// # Errors
+    /// A limit: too many of them are near each other.
+    pub fn new(model: &Model, limits: &Limits, warnings: &mut Vec<Warning>) -> Result<Kept> {
         let (program, leaves) = scene::compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
         let placed = all_placed(model, warnings);
         let of_parts: Vec<_> = placed.iter().map(bounds).collect();
-        let body = Body::new(model, &placed);
+        let body = Body::new(model, &placed, limits.pairs)?;
         if body.faces.is_empty() {
             warnings.push(Warning::input("the model is empty"));
         }
-        Kept {
+        Ok(Kept {
             body,
             program,
             leaves,
             colours: model.parts.iter().map(|part| part.color).collect(),
             bounds: Extents::new(&model.formula, &of_parts).of(model.area),
-        }
+        })
     }
 
     /// How many parts it has.

@@ -14,6 +14,8 @@ pub struct Limits {
     pub nodes: u64,
     /// Faces of a model, each part's own.
     pub faces: u64,
+    /// Points, edges and faces of a model that are compared in pairs, to tell which are the same.
+    pub pairs: u64,
     /// Sides of a circle of a model, slices of an extrusion.
     pub fragments: u32,
     /// Statements of a model inside each other.
@@ -29,6 +31,7 @@ impl Default for Limits {
             edges: 200_000_000,
             nodes: 16_000_000,
             faces: 4_000_000,
+            pairs: 1 << 40,
             fragments: 100_000,
             depth: 100_000,
             threads: available_parallelism().map_or(1, NonZeroUsize::get),

@@ -77,7 +77,7 @@ pub fn model(config: &Config, bytes: &[u8]) -> Result<(Kept, Vec<Warning>), Prob
     let mut warnings = Vec::new();
     let model = input::read_model(bytes, &ModelOptions { limits: config.limits, folder: None }, &mut warnings)?;
     whole(&warnings)?;
-    Ok((Kept::new(&model, &mut warnings), warnings))
+    Ok((Kept::new(&model, &config.limits, &mut warnings)?, warnings))
 }
 
 /// Refuses a document that takes something from outside.

@@ -67,7 +67,7 @@ pub struct Config {
 impl Config {
     /// The defaults, for a service on loopback with its jobs in `data`.
     pub fn new(data: PathBuf) -> Config {
-        let limits = Limits { edges: 20_000_000, faces: 2_000_000, ..Limits::default() };
+        let limits = Limits { edges: 20_000_000, faces: 1_000_000, pairs: 1 << 32, ..Limits::default() };
         Config {
             data,
             token: None,

@@ -21,6 +21,7 @@
 use glam::DVec3;
 
 use super::same::{Space, ordered};
+use crate::error::{Error, Kind, Result};
 use crate::mesh::check::Placed;
 use crate::mesh::{Mesh, Model};
 use crate::run::Rgb;
@@ -94,13 +95,16 @@ pub struct Body {
 
 impl Body {
     /// The faces and edges of a model's parts, which are given at their places ([`crate::mesh::check`]). Faces without an area and edges without a
-    /// length are left out.
-    pub fn new(model: &Model, placed: &[Placed]) -> Body {
+    /// length are left out. At most `pairs` of points, edges and faces are compared with each other.
+    ///
+    /// # Errors
+    /// So many are near each other that it would be more.
+    pub fn new(model: &Model, placed: &[Placed], pairs: u64) -> Result<Body> {
         let mut raw = Raw::default();
         for (part, index) in placed.iter().zip(0..) {
             raw.add(&part.mesh, index);
         }
-        raw.finish(model)
+        raw.finish(model, pairs)
     }
 }
 
@@ -128,13 +132,13 @@ impl Raw {
         }
     }
 
-    fn finish(self, model: &Model) -> Body {
+    fn finish(self, model: &Model, pairs: u64) -> Result<Body> {
         let Raw { points, faces, mut corners } = self;
         let bounds = points
             .iter()
             .fold(None, |bounds: Option<(DVec3, DVec3)>, &p| Some(bounds.map_or((p, p), |(least, most)| (least.min(p), most.max(p)))));
         let (least, most) = bounds.unwrap_or_default();
-        let space = Space::new(least, most);
+        let space = Space::new(least, most, pairs);
 
         let (points, point_of) = space.distinct_points(&points);
         corners.iter_mut().for_each(|corner| *corner = point_of[*corner as usize]);
@@ -165,7 +169,11 @@ impl Raw {
         let mut edges = winged(points.len(), &flat);
         let lines = space.distinct_lines(&points, &faces, &mut edges);
         let ranks = ranks(model, &points, &flat);
-        Body { points, lines, planes, edges, faces, ranks, bounds }
+        if space.pairs.get() == 0 {
+            let what = format!("its edges and faces are too near to each other, more than {pairs} pairs of them: use a coarser model");
+            return Err(Error::input(Kind::Limit, what));
+        }
+        Ok(Body { points, lines, planes, edges, faces, ranks, bounds })
     }
 }
 

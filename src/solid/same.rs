@@ -4,6 +4,7 @@
 //! looked for among the edges of faces of one plane, as only there it matters whether they are one. Among those the largest stands for the others, and ties go
 //! by coordinates, so that nothing depends on the order in which they are given.
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 
 use foldhash::fast::FixedState;
@@ -17,6 +18,8 @@ pub(super) struct Space {
     size: f64,
     /// How far apart things are that count as one.
     pub(super) same: f64,
+    /// Pairs that may still be compared. At 0 nothing is found any more, and what was found is of no use.
+    pub(super) pairs: Cell<u64>,
 }
 
 /// A number whose order is that of the double.
@@ -26,17 +29,23 @@ pub(super) fn ordered(x: f64) -> u64 {
 }
 
 impl Space {
-    /// The space between the least and the greatest coordinates.
-    pub(super) fn new(least: DVec3, most: DVec3) -> Space {
+    /// The space between the least and the greatest coordinates, where so many pairs may be compared.
+    pub(super) fn new(least: DVec3, most: DVec3, pairs: u64) -> Space {
         let size = (most - least).length().max(f64::MIN_POSITIVE);
-        Space { middle: (least + most) / 2.0, size, same: SAME * size }
+        Space { middle: (least + most) / 2.0, size, same: SAME * size, pairs: pairs.into() }
+    }
+
+    /// Whether another pair may be compared.
+    fn may_compare(&self) -> bool {
+        self.pairs.update(|pairs| pairs.saturating_sub(1));
+        self.pairs.get() > 0
     }
 
     /// Points that are not the same, and which each is.
     pub(super) fn distinct_points(&self, points: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
         let cell = 64.0 * self.same;
         let order = sorted(points.len(), |i| ordered(points[i].x), |i| points[i].to_array().map(ordered));
-        let mut cells = Cells::new(points.len());
+        let mut cells = Cells::new(points.len(), self);
         let (mut distinct, mut of): (Vec<DVec3>, _) = (Vec::new(), vec![0; points.len()]);
         for i in order {
             let p = points[i as usize];
@@ -67,7 +76,7 @@ impl Space {
             |i| !ordered(faces[i].area.length_squared()),
             |i| (planes[i].normal.to_array().map(ordered), ordered(planes[i].offset)),
         );
-        let mut cells = Cells::new(faces.len());
+        let mut cells = Cells::new(faces.len(), self);
         let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
         for i in order {
             let (face, plane) = (&faces[i as usize], planes[i as usize]);
@@ -208,7 +217,8 @@ impl Lines<'_> {
             // As far as the line through ends that are so far off can be turned and shifted.
             let reach = (8.0 * SAME * (1.0 + 2.0 * space.size / self.length_squared(edge).sqrt())).min(FARTHEST);
             let near = distinct.range((ordered(number - reach), 0)..=(ordered(number + reach), u32::MAX));
-            let found = near.map(|entry| *entry.1).filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
+            let found = near.map(|entry| *entry.1).take_while(|_| space.may_compare());
+            let found = found.filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
             match found {
                 Some(longer) => self.join(edge, longer),
                 None => _ = distinct.insert((ordered(number), edge), edge),
@@ -254,16 +264,17 @@ fn is_turned(direction: DVec3) -> bool {
 }
 
 /// Items by the cell of a grid that they are in.
-struct Cells<const N: usize> {
+struct Cells<'s, const N: usize> {
+    space: &'s Space,
     /// The last item of a cell.
     last: HashMap<[i32; N], u32, FixedState>,
     /// For every item the one before it in its cell.
     before: Vec<u32>,
 }
 
-impl<const N: usize> Cells<N> {
-    fn new(items: usize) -> Cells<N> {
-        Cells { last: HashMap::with_capacity_and_hasher(items, FixedState::default()), before: Vec::new() }
+impl<'s, const N: usize> Cells<'s, N> {
+    fn new(items: usize, space: &'s Space) -> Cells<'s, N> {
+        Cells { space, last: HashMap::with_capacity_and_hasher(items, FixedState::default()), before: Vec::new() }
     }
 
     /// Adds item `item`, the next number, at a place in units of cells.
@@ -293,7 +304,7 @@ impl<const N: usize> Cells<N> {
                 other[i] = i32::wrapping_add(other[i], step);
             }
             let mut item = self.last.get(&other).copied().unwrap_or(NOTHING);
-            while item != NOTHING {
+            while item != NOTHING && self.space.may_compare() {
                 if found.is_none_or(|found| item < found) && same(item) {
                     found = Some(item);
                 }

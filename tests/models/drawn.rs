@@ -20,7 +20,14 @@ pub fn stage(model: &Model, view: View, sections: &[Plane]) -> Arc<Stage> {
 /// The same, with some savings switched off.
 pub fn stage_with(model: &Model, view: View, sections: &[Plane], savings: Savings) -> Arc<Stage> {
     let (program, leaves) = compile(&model.formula, model.parts.len(), &[model.area], |_| Rule::AtLeast(1));
-    Arc::new(Stage::new(&Body::new(model, &all_placed(model, &mut Vec::new())), program, &leaves, view, sections, savings))
+    Arc::new(Stage::new(
+        &Body::new(model, &all_placed(model, &mut Vec::new()), u64::MAX).expect("any number of pairs"),
+        program,
+        &leaves,
+        view,
+        sections,
+        savings,
+    ))
 }
 
 /// What a pixel shows: part, face, nearness.

@@ -2,6 +2,7 @@
 
 use runset::job::{Job, Kept, SolidOptions};
 use runset::mesh::Model;
+use runset::scene::Limits;
 use runset::solid::camera::{Camera, Setup};
 
 use super::{Random, random_model};
@@ -16,7 +17,8 @@ pub fn random_setup(random: &mut Random, width: u32, height: u32) -> Setup {
 }
 
 pub fn job(model: &Model, setup: Setup) -> Job {
-    Job::solid(&Kept::new(model, &mut Vec::new()), &SolidOptions { setup, ..SolidOptions::default() }).expect("a page and a camera")
+    let kept = Kept::new(model, &Limits::default(), &mut Vec::new()).expect("a small model");
+    Job::solid(&kept, &SolidOptions { setup, ..SolidOptions::default() }).expect("a page and a camera")
 }
 
 /// A random model in colours, some of its parts in those of the scheme.

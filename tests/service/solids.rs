@@ -91,6 +91,14 @@ fn what_is_wrong_with_a_model_is_told_in_one_form() {
     assert!(import.contains("/etc/hostname.stl") && import.contains("not read here"), "{import}");
     let many = placed("sphere(r = 1, $fn = 1000);", 422, "limit", (Some(1), Some(1)));
     assert!(many.contains("100 faces"), "{many}");
+    // Thin plates, all of them in a thousandth of the model's size.
+    let near: String =
+        (0..400).map(|i| format!("multmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,{i}],[0,0,0,1]]) {{ cube(size = [1, 1, 0.5]); }}")).collect();
+    let folder = Folder::new();
+    let crowded = Server::start(&folder.data(), &["--max-pairs", "1000000"]);
+    let problem = crowded.solid("", CSG, format!("cube(size = [1000000, 1, 1]);{near}")).problem(422, "limit");
+    assert!(problem["detail"].as_str().unwrap().contains("1000000 pairs"), "{problem}");
+    crowded.solid("", CSG, MODEL).ok(200);
     let small = "cube(size = 1);";
     server.solid("?imgsize=1001,1000", CSG, small).problem(422, "limit");
     server.solid(&format!("?{}", "section=1,0,0,5&".repeat(17)), CSG, small).problem(422, "refused");
