@@ -133,7 +133,8 @@ fn theirs(shots: &[Shot], folder: &Path) -> Vec<RgbImage> {
     }
     script.push_str("wait\n");
     std::fs::write(folder.join("script"), script).unwrap();
-    let ran = Command::new("xvfb-run").args(["-a", "sh"]).arg(folder.join("script")).output().unwrap();
+    let ran =
+        Command::new("xvfb-run").args(["-a", "-s", "-screen 0 1280x1024x24 -noreset", "sh"]).arg(folder.join("script")).output().unwrap();
     assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
     let read = |i: usize| {
         let log = std::fs::read_to_string(folder.join(format!("{i}.log"))).unwrap_or_default();

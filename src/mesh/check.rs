@@ -11,12 +11,15 @@
 use foldhash::HashMap;
 
 use super::face::{edges, normal};
-use super::triangles::triangles;
+use super::triangles::{fans, triangles};
 use super::{Face, Mesh, Model, Part, Point};
 use crate::error::Warning;
 
 /// How far a corner may be from the plane of its face, in sizes of the part.
 const PLANE: f64 = 1e-9;
+
+/// Corners of a face that is not plane, beyond which it is cut into fans: where a face meets itself, better triangles take time with the square of them.
+const CORNERS: usize = 10_000;
 
 /// Faces are without area whose height is less than this part of their outline.
 const THIN: f64 = 1e-13;
@@ -32,6 +35,8 @@ pub struct Placed {
     pub inside_out: bool,
     /// Faces that were cut because they are not plane.
     pub cut: u64,
+    /// Of these, those that were cut into fans for their number of corners.
+    pub fans: u64,
 }
 
 /// The part at its place, put right.
@@ -49,18 +54,21 @@ pub fn placed(part: &Part) -> Placed {
         faces.iter_mut().for_each(turn);
     }
     let size = super::length(super::minus(high, low));
-    let mut cut = 0;
+    let (mut cut, mut large) = (0, 0);
     let mut kept = Vec::with_capacity(faces.len());
     for face in faces {
         if plane(&points, &face, size * PLANE) {
             kept.push(face);
         } else {
             cut += 1;
-            kept.extend(triangles(&points, &face).into_iter().map(|t| Face { rings: vec![t.to_vec()] }));
+            let is_large = face.rings.iter().map(Vec::len).sum::<usize>() > CORNERS;
+            large += u64::from(is_large);
+            let triangles = if is_large { fans(&face) } else { triangles(&points, &face) };
+            kept.extend(triangles.into_iter().map(|t| Face { rings: vec![t.to_vec()] }));
         }
     }
     kept.retain(|face| !thin(&points, face));
-    Placed { mesh: Mesh { points, faces: kept }, open_edges, inside_out, cut }
+    Placed { mesh: Mesh { points, faces: kept }, open_edges, inside_out, cut, fans: large }
 }
 
 /// All parts of a model, in order; `warnings` receives what was wrong with which.
@@ -75,6 +83,12 @@ pub fn all_placed(model: &Model, warnings: &mut Vec<Warning>) -> Vec<Placed> {
         }
         if placed.inside_out {
             warn(format!("this {} is inside out: it is turned; OpenSCAD wants faces clockwise as seen from outside", part.kind));
+        }
+        if placed.fans > 0 {
+            warn(format!(
+                "a face of this {} is not plane and has more than {CORNERS} corners: it is cut from its first corner; give it as triangles",
+                part.kind
+            ));
         }
     }
     placed

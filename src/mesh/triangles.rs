@@ -42,6 +42,11 @@ pub fn triangles(points: &[Point], face: &Face) -> Vec<[u32; 3]> {
             return cut;
         }
     }
+    fans(face)
+}
+
+/// The triangles between the first corner of each ring and its sides. Together they have the face's edges, whatever its shape.
+pub fn fans(face: &Face) -> Vec<[u32; 3]> {
     let fan = |ring: &Vec<u32>| ring.windows(2).skip(1).map(|w| [ring[0], w[0], w[1]]).collect::<Vec<_>>();
     face.rings.iter().flat_map(fan).collect()
 }

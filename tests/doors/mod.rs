@@ -8,9 +8,11 @@ use std::io::BufRead;
 use runset::error::{Error, Result, Warning};
 use runset::input::lines::LineReader;
 use runset::input::{ModelOptions, read_tree};
+use runset::job::{Job, SolidOptions};
 use runset::mesh::check::all_placed;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
 use runset::shape::{Path, Shape, Transform};
+use runset::solid::camera::Setup;
 
 /// What takes bytes from outside.
 type Door = fn(&[u8]);
@@ -19,7 +21,7 @@ type Door = fn(&[u8]);
 #[allow(dead_code)] // the fuzz targets take one each
 pub const DOORS: [(&str, Door); 5] = [("csg", csg), ("expression", expression), ("scene", scene), ("stream", stream), ("svg", svg)];
 
-/// A model: an OpenSCAD tree or an STL. What was let in is put in its place.
+/// A model: an OpenSCAD tree or an STL. What was let in is put in its place, and what is small is drawn.
 pub fn csg(bytes: &[u8]) {
     let mut warnings = Vec::new();
     let options = ModelOptions { limits: limits(), folder: None };
@@ -42,6 +44,19 @@ pub fn csg(bytes: &[u8]) {
             Gate::Shape(i) => assert!((*i as usize) < model.parts.len()),
             Gate::AtLeast(_, inputs) | Gate::Odd(inputs) => assert!(inputs.iter().all(|i| i.area.index() < gates.len())),
         }
+    }
+    if placed.iter().map(|placed| placed.mesh.faces.len()).sum::<usize>() > 200 {
+        return;
+    }
+    for orthographic in [false, true] {
+        let setup = Setup { orthographic, width: 24, height: 20, ..Setup::default() };
+        let job = Job::solid(model, &SolidOptions { setup, ..SolidOptions::default() }, &mut Vec::new()).expect("a page and a camera");
+        let (mut rows, mut y) = (job.rows(), 0);
+        while let Some(lines) = rows.next() {
+            assert!(lines.check(job.header()) && lines.y == y);
+            y += lines.n;
+        }
+        assert_eq!(y, 20);
     }
 }
 
