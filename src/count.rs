@@ -188,6 +188,15 @@ impl Program {
         self.outputs.len()
     }
 
+    /// The nodes that a node feeds.
+    pub fn fed(&self, node: Node) -> impl Iterator<Item = Node> {
+        let told = self.parents(node as usize).iter().map(|link| link.1);
+        let read = self.read_of[node as usize];
+        let readers =
+            if read == NONE { 0..0 } else { self.first_reader[read as usize] as usize..self.first_reader[read as usize + 1] as usize };
+        told.chain(self.readers[readers].iter().map(|reader| reader.node))
+    }
+
     fn parents(&self, node: usize) -> &[(Node, Node, i32)] {
         &self.links[self.first[node] as usize..self.first[node + 1] as usize]
     }

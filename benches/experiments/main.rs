@@ -198,12 +198,8 @@ impl Page {
             while let Some((y, line)) = spans.next() {
                 for span in line {
                     let light = 150 + (span.face * 37) % 80;
-                    writeln!(
-                        svg,
-                        "<path d=\"M{} {y}h{}v1h-{0}z\" fill=\"rgb({light},{light},{light})\"/>",
-                        span.start,
-                        span.end - span.start
-                    )?;
+                    let (x, width) = (span.start, span.end - span.start);
+                    writeln!(svg, "<path d=\"M{x} {y}h{width}v1h-{width}z\" fill=\"rgb({light},{light},{light})\"/>")?;
                 }
                 for x in spans.splits() {
                     count += 1;

@@ -20,6 +20,8 @@ pub struct Kept {
     /// Colours of the parts, of those that have one.
     pub(super) colours: Vec<Option<Rgb>>,
     bounds: Option<[[f64; 3]; 2]>,
+    /// See [`Limits::pairs`].
+    pub(super) pairs: u64,
 }
 
 impl Kept {
@@ -41,6 +43,7 @@ impl Kept {
             leaves,
             colours: model.parts.iter().map(|part| part.color).collect(),
             bounds: Extents::new(&model.formula, &of_parts).of(model.area),
+            pairs: limits.pairs,
         })
     }
 

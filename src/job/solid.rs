@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::source::Source;
 use super::{Job, Kept, SolidStats, band_height, slice, write};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
 use crate::run::{Header, Inks};
 use crate::solid::body::Plane;
@@ -76,11 +76,18 @@ impl Job {
     /// A model in a view.
     ///
     /// # Errors
-    /// A page or a range of lines out of bounds; a camera that sees nothing; more than [`MAX_SECTIONS`].
+    /// A page or a range of lines out of bounds; a camera that sees nothing; more than [`MAX_SECTIONS`]; a limit: a scanline meets too many edges.
     pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
         let header = options.header()?;
-        let Kept { body, program, leaves, colours, .. } = model;
-        let stage = Stage::new(body, program.clone(), leaves, options.setup.view(body.bounds), &options.sections, Savings::default());
+        let Kept { body, program, leaves, colours, pairs, .. } = model;
+        let bounds = model.bounds().filter(|bounds| bounds.as_flattened().iter().all(|x| x.is_finite()));
+        let view = options.setup.view(bounds.map(|[least, most]| (least.into(), most.into())));
+        let stage = Stage::new(body, program.clone(), leaves, view, &options.sections, Savings::default());
+        // A scanline compares the faces at an edge with each other, so at worst all with all.
+        let most = stage.edges.peak();
+        if u64::from(most).pow(2) / 4 > *pairs {
+            return Err(Error::input(Kind::Limit, format!("a scanline meets {most} edges: use a coarser model, or a part of it")));
+        }
         let colours = Colours::new(&stage, colours, &options.scheme);
         Ok(Job {
             edges: stage.edges.len() as u64,

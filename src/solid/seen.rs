@@ -23,7 +23,6 @@ pub(super) struct Visible {
 pub(super) struct Count {
     counters: Counters,
     holds: bool,
-    parents: Parents,
     /// What was in front of the visible face of the last count, that face's group too: leaf, turns, and whether it is as near as the one before.
     front: Vec<(Node, i32, bool)>,
     /// Which of the group that was, if any was visible.
@@ -31,15 +30,35 @@ pub(super) struct Count {
     /// For every face whether it was one of those in front.
     ahead: Vec<bool>,
     listed: Vec<u32>,
-    /// Truths before and after a group, while it is looked at who made the difference.
-    truths: [Vec<bool>; 2],
+    /// While it is looked at which parts made a difference: nodes above their leaves, and what is known of each node.
+    above: Vec<Node>,
+    marks: Vec<Mark>,
+}
+
+/// What is known of a node while it is looked at which parts made a difference.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mark {
+    /// Whether it is above one of their leaves.
+    above: bool,
+    /// Whether it held with them.
+    held: bool,
+    /// Whether a path of nodes that flipped leads from it to the root.
+    leads: bool,
 }
 
 impl Count {
     pub(super) fn new(stage: &Stage) -> Count {
         let counters = Counters::new(&stage.program);
-        let (parents, ahead) = (Parents::new(stage), vec![false; stage.faces.len()]);
-        Count { counters, holds: false, parents, front: Vec::new(), seen: None, ahead, listed: Vec::new(), truths: Default::default() }
+        Count {
+            counters,
+            holds: false,
+            front: Vec::new(),
+            seen: None,
+            ahead: vec![false; stage.faces.len()],
+            listed: Vec::new(),
+            above: Vec::new(),
+            marks: vec![Mark::default(); stage.program.nodes()],
+        }
     }
 
     /// Whether a face was among those up to the one that was seen last, or as near as that.
@@ -109,15 +128,31 @@ impl Count {
         if list.iter().all(|active| leaf(active) == leaf(&list[0])) {
             return group.start;
         }
-        let [mut before, mut after] = std::mem::take(&mut self.truths);
-        self.counters.truths().clone_into(&mut after);
+        for active in list {
+            self.above.push(leaf(active));
+        }
+        let mut i = 0;
+        while i < self.above.len() {
+            let node = self.above[i];
+            i += 1;
+            let mark = &mut self.marks[node as usize];
+            if !std::mem::replace(&mut mark.above, true) {
+                mark.held = self.counters.truths()[node as usize];
+                self.above.extend(stage.program.fed(node));
+            }
+        }
+        // Parents before children, each once.
+        self.above.sort_unstable_by(|a, b| b.cmp(a));
+        self.above.dedup();
         self.count(stage, faces, group.clone(), -1);
-        self.counters.truths().clone_into(&mut before);
+        for &node in &self.above {
+            let flipped = self.counters.truths()[node as usize] != self.marks[node as usize].held;
+            let up = node == stage.program.output(0) || stage.program.fed(node).any(|parent| self.marks[parent as usize].leads);
+            self.marks[node as usize].leads = flipped && up;
+        }
         self.count(stage, faces, group.clone(), 1);
-        let root = stage.program.output(0);
-        let made = |active: &Active| self.parents.leads(leaf(active), root, |node| before[node as usize] != after[node as usize]);
-        let first = list.iter().position(made).unwrap_or(0);
-        self.truths = [before, after];
+        let first = list.iter().position(|active| self.marks[leaf(active) as usize].leads).unwrap_or(0);
+        self.above.drain(..).for_each(|node| self.marks[node as usize] = Mark::default());
         group.start + first
     }
 }
@@ -131,36 +166,4 @@ fn entry(stage: &Stage, faces: &Faces, i: usize) -> (Node, i32, bool) {
     let list = faces.list();
     let Active { face, near, .. } = list[i];
     (stage.faces[face as usize].leaf, faces.turns(face), i > 0 && list[i - 1].near == near)
-}
-
-/// For every node of the program those that it feeds.
-#[derive(Debug)]
-struct Parents {
-    links: Vec<(Node, Node)>,
-}
-
-impl Parents {
-    fn new(stage: &Stage) -> Parents {
-        let mut links: Vec<(Node, Node)> = stage.program.links().map(|(child, parent, _)| (child, parent)).collect();
-        links.sort_unstable();
-        Parents { links }
-    }
-
-    /// Whether a path of nodes that all flipped leads from one to another.
-    fn leads(&self, from: Node, to: Node, flipped: impl Fn(Node) -> bool) -> bool {
-        let mut open = vec![from];
-        let mut seen = vec![];
-        while let Some(node) = open.pop() {
-            if !flipped(node) || seen.contains(&node) {
-                continue;
-            }
-            if node == to {
-                return true;
-            }
-            seen.push(node);
-            let first = self.links.partition_point(|link| link.0 < node);
-            open.extend(self.links[first..].iter().take_while(|link| link.0 == node).map(|link| link.1));
-        }
-        false
-    }
 }

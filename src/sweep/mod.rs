@@ -111,6 +111,21 @@ impl<T: Copy> Edges<T> {
         self
     }
 
+    /// How many are active on the scanline that most are.
+    pub fn peak(&self) -> u32 {
+        let rows = self.chains.iter().fold(0, |rows, chain| rows.max(chain.last));
+        let mut changes = vec![0_i64; rows as usize + 1];
+        for chain in &self.chains {
+            changes[chain.first as usize] += 1;
+            changes[chain.last as usize] -= 1;
+        }
+        let active = changes.iter().scan(0, |active, change| {
+            *active += change;
+            Some(*active)
+        });
+        active.max().unwrap_or(0) as u32
+    }
+
     /// Number of edges stored.
     pub fn len(&self) -> usize {
         self.edges.len() + self.chains.len()
@@ -367,6 +382,16 @@ mod tests {
             }
         }
         assert!(loose_rows > 3000 && unchanged > 100, "{loose_rows} {unchanged}");
+    }
+
+    #[test]
+    fn the_peak_is_that_of_the_scanlines() {
+        let mut random = Random(4);
+        for _ in 0..100 {
+            let drawing = drawing(&mut random);
+            let most = (0..HEIGHT as u32).map(|y| brute(&drawing, y).len()).max();
+            assert_eq!(Some(table(&drawing).peak() as usize), most);
+        }
     }
 
     #[test]

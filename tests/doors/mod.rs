@@ -8,7 +8,7 @@ use std::io::BufRead;
 use runset::error::{Error, Result, Warning};
 use runset::input::lines::LineReader;
 use runset::input::{ModelOptions, read_tree};
-use runset::job::{Job, SolidOptions};
+use runset::job::{Job, Kept, SolidOptions};
 use runset::mesh::check::all_placed;
 use runset::scene::{Area, Expression, Gate, Limits, Named, Picture, Scene};
 use runset::shape::{Path, Shape, Transform};
@@ -48,9 +48,10 @@ pub fn csg(bytes: &[u8]) {
     if placed.iter().map(|placed| placed.mesh.faces.len()).sum::<usize>() > 200 {
         return;
     }
+    let kept = Kept::new(model, &Limits::default(), &mut Vec::new()).expect("a small model");
     for orthographic in [false, true] {
         let setup = Setup { orthographic, width: 24, height: 20, ..Setup::default() };
-        let job = Job::solid(model, &SolidOptions { setup, ..SolidOptions::default() }, &mut Vec::new()).expect("a page and a camera");
+        let job = Job::solid(&kept, &SolidOptions { setup, ..SolidOptions::default() }).expect("a page and a camera");
         let (mut rows, mut y) = (job.rows(), 0);
         while let Some(lines) = rows.next() {
             assert!(lines.check(job.header()) && lines.y == y);
