@@ -3,7 +3,7 @@
 
     benches/performance.py [WORD]
 
-With WORD only those commands are run that contain it: peers, paper, processes, service. They take some ten minutes together on a quiet machine.
+With WORD only those commands are run that contain it: peers, paper, processes, service, solid. They take some ten minutes together on a quiet machine.
 """
 
 import pathlib

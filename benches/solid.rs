@@ -5,8 +5,8 @@
 //! ```
 //!
 //! *body* is from meshes in memory to points, lines and planes with identity, *stage* from there to sorted edges in a view, *spans* hands out all that is
-//! seen: median and, in brackets, least milliseconds of processor time of N runs after one to warm up, in one thread. *view* is stage and spans together: what
-//! another view of the model costs. The last columns are counts of the walk.
+//! seen: median milliseconds of processor time of N runs after one to warm up, in one thread; *all* is their sum, and *another view* that of the last two. The last
+//! columns are counts of the walk: spans looked at and taken from the scanline above, counts along depth, crossings, and the largest number of active edges.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -74,11 +74,9 @@ fn main() -> Result<()> {
     }
     let on = |name: &str| !arguments.without.iter().any(|other| other == name);
     let savings = Savings { boxes: on("boxes"), early: on("early"), spans: on("spans"), hidden: on("hidden"), lines: on("lines") };
-    writeln!(
-        out,
-        "{:16} {:>5} {:>8} {:>17} {:>17} {:>17} {:>8} {:>9} {:>9} {:>9} {:>6}",
-        "workload", "page", "faces", "body ms", "stage ms", "spans ms", "view ms", "spans", "counts", "crossings", "active"
-    )?;
+    measure::heading(&mut out)?;
+    writeln!(out, "| workload | page | faces | body | stage | spans | all | another view | spans | kept | counts | crossings | active |")?;
+    writeln!(out, "|---|{}", "---:|".repeat(12))?;
     let names = if arguments.names.is_empty() { TABLE.iter().map(|&name| name.to_owned()).collect() } else { arguments.names };
     for name in names {
         let solid = solids::solid(&name).with_context(|| format!("there is no workload {name}; --list shows those there are"))?;
@@ -113,13 +111,13 @@ fn line(name: &str, model: &Model, setup: &Setup, savings: Savings, runs: u32, o
             *spans.cost()
         });
     }
-    let [body, stage, spans] = times.each_ref().map(|times| format!("{} ({})", ms(times.median()), ms(times.least())));
-    let view = ms(times[1].median() + times[2].median());
-    let Cost { spans: pieces, counts, crossings, peak_active, .. } = cost;
+    let [body, stage, spans] = times.each_ref().map(Times::median);
+    let Cost { spans: looked, kept, counts, crossings, peak_active } = cost;
     let size = setup.width;
+    let [body, stage, spans, all, view] = [body, stage, spans, body + stage + spans, stage + spans].map(ms);
     writeln!(
         out,
-        "{name:16} {size:5} {faces:8} {body:>17} {stage:>17} {spans:>17} {view:>8} {pieces:9} {counts:9} {crossings:9} {peak_active:6}"
+        "| {name} | {size} | {faces} | {body} | {stage} | {spans} | {all} | {view} | {looked} | {kept} | {counts} | {crossings} | {peak_active} |"
     )?;
     Ok(())
 }
