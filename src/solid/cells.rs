@@ -78,6 +78,8 @@ pub(super) struct Cells {
     touched: Vec<u32>,
     /// Whether the list is another than that of the scanline above.
     changed: bool,
+    /// Whether nothing is known of that.
+    stale: bool,
     /// The scanline behind the last on which all cells are known.
     until: u32,
     stretches: Vec<Stretch>,
@@ -96,6 +98,7 @@ impl Cells {
             differing: 0,
             touched: Vec::new(),
             changed: true,
+            stale: false,
             until: 0,
             stretches: Vec::new(),
         }
@@ -113,12 +116,18 @@ impl Cells {
         known.then(|| self.stretches.iter().map(move |&Stretch { from, to, shows }| (column(from), column(to), shows)))
     }
 
+    /// Forgets what is known, before scanlines that are not noted.
+    pub(super) fn forget(&mut self) {
+        self.cells.clear();
+        (self.until, self.stale) = (0, true);
+    }
+
     /// Begins a scanline.
     pub(super) fn start(&mut self, scanline: &Scanline, sweep: &Sweep<Crossing>) {
         self.until = u32::MAX;
         self.stretches.clear();
-        self.changed = scanline.changed;
-        if !scanline.changed {
+        self.changed = scanline.changed || std::mem::take(&mut self.stale);
+        if !self.changed {
             return;
         }
         (self.covered, self.gone, self.passed, self.differing) = (0, 0, 0, 0);

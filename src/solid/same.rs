@@ -206,22 +206,24 @@ impl Lines<'_> {
             return;
         }
         group.sort_by_cached_key(|&edge| self.key(edge));
-        // A number of each line that does not depend on its direction, and is about the same for those that are.
-        let number = |edge: u32| {
+        // Two numbers of each line that do not depend on its direction, and are about the same for those that are.
+        let numbers = |edge: u32| {
             let Line { at, along } = space.line(self.points, &self.edges[edge as usize]);
-            along.dot(MIXED[0]) * along.dot(MIXED[1]) + (at - space.middle).dot(MIXED[2]) / space.size
+            let [u, v, w] = MIXED.map(|mixed| along.dot(mixed));
+            let [x, y, _] = MIXED.map(|mixed| (at - space.middle).dot(mixed) / space.size);
+            [u * v + y, u * w + x]
         };
-        let mut distinct: BTreeMap<(u64, u32), u32> = BTreeMap::new();
+        let mut distinct: BTreeMap<(u64, u32), f64> = BTreeMap::new();
         for &mut edge in group {
-            let number = number(edge);
+            let [number, second] = numbers(edge);
             // As far as the line through ends that are so far off can be turned and shifted.
             let reach = (8.0 * SAME * (1.0 + 2.0 * space.size / self.length_squared(edge).sqrt())).min(FARTHEST);
             let near = distinct.range((ordered(number - reach), 0)..=(ordered(number + reach), u32::MAX));
-            let found = near.map(|entry| *entry.1).take_while(|_| space.may_compare());
-            let found = found.filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
+            let near = near.take_while(|_| space.may_compare()).filter(|entry| (entry.1 - second).abs() <= reach);
+            let found = near.map(|entry| entry.0.1).filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
             match found {
                 Some(longer) => self.join(edge, longer),
-                None => _ = distinct.insert((ordered(number), edge), edge),
+                None => _ = distinct.insert((ordered(number), edge), second),
             }
         }
     }

@@ -78,6 +78,8 @@ pub struct Spans {
     faces: Faces,
     count: Count,
     cells: Cells,
+    /// Whether what is seen on the scanline is taken from the one above, and noted.
+    lines: bool,
     sight: Option<Sight>,
     spans: Vec<Span>,
     /// Columns at which spans of the scanline were split.
@@ -100,6 +102,9 @@ struct Sight {
     told: usize,
 }
 
+/// Active edges to a column of the page up to which what is seen is noted.
+const DENSE: usize = 4;
+
 /// So many scanlines after a look downwards that did not pay the next is taken.
 const AGAIN: u32 = 8;
 
@@ -114,6 +119,7 @@ impl Spans {
             faces: Faces::new(faces),
             count: Count::new(&stage),
             cells: Cells::new(if savings.lines { faces } else { 0 }),
+            lines: false,
             sight: None,
             spans: Vec::new(),
             splits: Vec::new(),
@@ -172,7 +178,11 @@ impl Spans {
         self.spans.clear();
         let edges = self.sweep.list().len();
         self.cost.peak_active = self.cost.peak_active.max(edges as u64);
-        if self.savings.lines {
+        // Where edges are denser than pixels hardly a cell lasts.
+        self.lines = self.savings.lines && edges <= DENSE * width as usize;
+        if !self.lines {
+            self.cells.forget();
+        } else {
             if let Some(known) = self.cells.all(scanline, self.sweep.columns(), width) {
                 self.cost.kept += known.len() as u64;
                 let known = known.filter(|&(start, end, _)| start < end);
@@ -194,14 +204,14 @@ impl Spans {
             while i < edges && self.sweep.columns()[i] == column {
                 let entry = self.sweep.list()[i];
                 self.faces.pass(self.sweep.tags()[entry.slot()]);
-                if self.savings.lines {
+                if self.lines {
                     self.cells.pass(entry, &self.sweep);
                 }
                 i += 1;
             }
             self.cell(&stage, scanline.y, first..i);
         }
-        if self.savings.lines {
+        if self.lines {
             // What is beyond the page stays there for as long as its edges do.
             let beyond = self.sweep.list()[i..].iter().map(|entry| self.sweep.until(entry.slot()));
             self.cells.bound(beyond.min().unwrap_or(u32::MAX));
@@ -215,7 +225,7 @@ impl Spans {
         let width = stage.view.width;
         let columns = self.sweep.columns();
         let columns = columns[group.start]..columns.get(group.end).map_or(width, |&next| next.min(width));
-        let known = if self.savings.lines { self.cells.known(&group) } else { None };
+        let known = if self.lines { self.cells.known(&group) } else { None };
         let known = match known {
             Some(known) if y < known.until => {
                 self.cost.kept += 1;
@@ -237,7 +247,7 @@ impl Spans {
                 }
             }
         };
-        if self.savings.lines {
+        if self.lines {
             self.cells.note(&group, known);
         }
         self.timers.lap(Part::Spans);
