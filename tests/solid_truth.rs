@@ -206,7 +206,7 @@ fn boxes_that_coincide_are_shown_as_they_are() {
     let mut turned = Tally::default();
     for i in 0..6 * effort() {
         let turn = if i == 0 { Turn::new([1, 0, 0, 0]) } else { random_turn(&mut random) };
-        let size = if i % 6 == 5 { 2048 } else { 512 };
+        let size = if i % 12 == 5 { 2048 } else { 512 };
         // The large ones only where there is time for them.
         let size = if effort() < 10 { size / 2 } else { size };
         for (name, parts, tree) in scenes() {

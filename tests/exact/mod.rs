@@ -211,9 +211,13 @@ impl Convex {
                     leaves = Some(leaves.map_or(t, |least| least.min(t)));
                 }
             }
+            if let (Some(enters), Some(leaves)) = (enters, leaves)
+                && enters >= leaves
+            {
+                return None;
+            }
         }
-        let span = [enters?, leaves?];
-        (span[0] < span[1]).then_some(span)
+        Some([enters?, leaves?])
     }
 
     /// Faces whose planes a ray meets at `t`.
