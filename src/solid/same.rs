@@ -5,7 +5,7 @@
 //! by coordinates, so that nothing depends on the order in which they are given.
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use foldhash::fast::FixedState;
 use glam::DVec3;
@@ -114,7 +114,7 @@ impl Space {
         for same in of_plane.chunk_by(|a, b| a.0 == b.0) {
             group.clear();
             group.extend(same.iter().map(|entry| entry.1));
-            lines.group(&mut group, self);
+            lines.group(&group, self);
         }
         let like = lines.like;
         let root = |mut i: u32| {
@@ -193,7 +193,7 @@ impl Lines<'_> {
     }
 
     /// Finds which edges of a plane are on one line.
-    fn group(&mut self, group: &mut [u32], space: &Space) {
+    fn group(&mut self, group: &[u32], space: &Space) {
         if group.len() <= FEW {
             for (k, &a) in group.iter().enumerate() {
                 for &b in &group[k + 1..] {
@@ -205,7 +205,6 @@ impl Lines<'_> {
             }
             return;
         }
-        group.sort_by_cached_key(|&edge| self.key(edge));
         // Two numbers of each line that do not depend on its direction, and are about the same for those that are.
         let numbers = |edge: u32| {
             let Line { at, along } = space.line(self.points, &self.edges[edge as usize]);
@@ -213,17 +212,27 @@ impl Lines<'_> {
             let [x, y, _] = MIXED.map(|mixed| (at - space.middle).dot(mixed) / space.size);
             [u * v + y, u * w + x]
         };
-        let mut distinct: BTreeMap<(u64, u32), f64> = BTreeMap::new();
-        for &mut edge in group {
-            let [number, second] = numbers(edge);
+        let order = sorted(group.len(), |k| !ordered(self.length_squared(group[k])), |k| self.key(group[k]));
+        let mut cells = Cells::new(group.len(), space);
+        let mut distinct = Vec::new();
+        for edge in order.into_iter().map(|k| group[k as usize]) {
+            let at = numbers(edge).map(|number| number / (2.0 * FARTHEST));
             // As far as the line through ends that are so far off can be turned and shifted.
             let reach = (8.0 * SAME * (1.0 + 2.0 * space.size / self.length_squared(edge).sqrt())).min(FARTHEST);
-            let near = distinct.range((ordered(number - reach), 0)..=(ordered(number + reach), u32::MAX));
-            let near = near.take_while(|_| space.may_compare()).filter(|entry| (entry.1 - second).abs() <= reach);
-            let found = near.map(|entry| entry.0.1).filter(|&longer| self.is_on(edge, longer)).min_by_key(|&longer| self.key(longer));
-            match found {
-                Some(longer) => self.join(edge, longer),
-                None => _ = distinct.insert((ordered(number), edge), second),
+            let near = |other: &[f64; 2]| at.iter().zip(other).all(|(a, b)| (a - b).abs() * 2.0 * FARTHEST <= reach);
+            let same = |other: u32| {
+                let (longer, there) = &distinct[other as usize];
+                near(there) && self.is_on(edge, *longer)
+            };
+            match cells.find(at, reach / (2.0 * FARTHEST), same) {
+                Some(other) => {
+                    let longer = distinct[other as usize].0;
+                    self.join(edge, longer);
+                }
+                None => {
+                    distinct.push((edge, at));
+                    cells.add(at, distinct.len() as u32 - 1);
+                }
             }
         }
     }
