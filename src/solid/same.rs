@@ -1,8 +1,8 @@
 //! What is the same: points, planes and lines within a tolerance, found once.
 //!
-//! What may be the same is found by cells of a grid, and planes and lines among little: planes that are the same are in one cell or in neighbours, and lines are
-//! looked for among the edges of faces of one plane, as only there it matters whether they are one. Among those the largest stands for the others, and ties go
-//! by coordinates, so that nothing depends on the order in which they are given.
+//! What may be the same is in one cell of a grid or in neighbours: points by their coordinates, planes and lines by two numbers that hardly differ for those that are the
+//! same and otherwise hardly agree. Lines are looked for among the edges of faces of one plane, as only there it matters whether they are one. The largest stands
+//! for the others, and ties go by coordinates, so that nothing depends on the order in which they are given.
 
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -80,13 +80,15 @@ impl Space {
         let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
         for i in order {
             let (face, plane) = (&faces[i as usize], planes[i as usize]);
-            let [x, y, z] = plane.normal.to_array();
-            let at = [x, y, z, plane.offset / self.size].map(|x| x * COARSE);
+            let corner = |c: u32| points[c as usize] - self.middle;
             let same = |other: u32| {
                 let other: &Plane = &distinct[other as usize];
-                face.corners().all(|c| (other.normal.dot(points[c as usize] - self.middle) - other.offset).abs() <= self.same)
+                face.corners().all(|c| (other.normal.dot(corner(c)) - other.offset).abs() <= self.same)
             };
-            of[i as usize] = cells.find(at, NEAR, same).unwrap_or_else(|| {
+            let first = face.corners().next().map_or(DVec3::ZERO, corner);
+            let across = face.corners().fold(0.0_f64, |most, c| most.max(corner(c).distance_squared(first))).sqrt();
+            let at = self.numbers(plane.normal, plane.normal * plane.offset);
+            of[i as usize] = cells.find(at, self.reach(face.area.length() / across), same).unwrap_or_else(|| {
                 distinct.push(plane);
                 cells.add(at, distinct.len() as u32 - 1)
             });
@@ -134,6 +136,19 @@ impl Space {
             edges[i].line = line_of[root];
         }
         distinct
+    }
+
+    /// Two numbers, in units of cells, of a line or a plane with that direction, or its reverse, and that point next to the middle: they are about the same for
+    /// those that are.
+    fn numbers(&self, direction: DVec3, foot: DVec3) -> [f64; 2] {
+        let [u, v, w] = MIXED.map(|mixed| direction.dot(mixed));
+        let [x, y, _] = MIXED.map(|mixed| foot.dot(mixed) / self.size);
+        [u * v + y, u * w + x].map(|number| number / (2.0 * FARTHEST))
+    }
+
+    /// How far apart these numbers can be, in units of cells, of what is the same as something of that size: by as much as that can be turned and shifted.
+    fn reach(&self, size: f64) -> f64 {
+        (8.0 * SAME * (1.0 + 2.0 * self.size / size)).min(FARTHEST) / (2.0 * FARTHEST)
     }
 
     /// The line through an edge's ends.
@@ -205,26 +220,18 @@ impl Lines<'_> {
             }
             return;
         }
-        // Two numbers of each line that do not depend on its direction, and are about the same for those that are.
-        let numbers = |edge: u32| {
-            let Line { at, along } = space.line(self.points, &self.edges[edge as usize]);
-            let [u, v, w] = MIXED.map(|mixed| along.dot(mixed));
-            let [x, y, _] = MIXED.map(|mixed| (at - space.middle).dot(mixed) / space.size);
-            [u * v + y, u * w + x]
-        };
         let order = sorted(group.len(), |k| !ordered(self.length_squared(group[k])), |k| self.key(group[k]));
         let mut cells = Cells::new(group.len(), space);
         let mut distinct = Vec::new();
         for edge in order.into_iter().map(|k| group[k as usize]) {
-            let at = numbers(edge).map(|number| number / (2.0 * FARTHEST));
-            // As far as the line through ends that are so far off can be turned and shifted.
-            let reach = (8.0 * SAME * (1.0 + 2.0 * space.size / self.length_squared(edge).sqrt())).min(FARTHEST);
-            let near = |other: &[f64; 2]| at.iter().zip(other).all(|(a, b)| (a - b).abs() * 2.0 * FARTHEST <= reach);
+            let line = space.line(self.points, &self.edges[edge as usize]);
+            let (at, reach) = (space.numbers(line.along, line.at - space.middle), space.reach(self.length_squared(edge).sqrt()));
+            let near = |other: &[f64; 2]| at.iter().zip(other).all(|(a, b)| (a - b).abs() <= reach);
             let same = |other: u32| {
                 let (longer, there) = &distinct[other as usize];
                 near(there) && self.is_on(edge, *longer)
             };
-            match cells.find(at, reach / (2.0 * FARTHEST), same) {
+            match cells.find(at, reach, same) {
                 Some(other) => {
                     let longer = distinct[other as usize].0;
                     self.join(edge, longer);
@@ -260,12 +267,8 @@ const MIXED: [DVec3; 3] = [
     DVec3::new(0.314_159_265, -0.577_215_664, 0.753_700_214),
 ];
 
-/// The numbers of lines that are the same differ by less.
+/// The numbers of lines and planes that are the same differ by less.
 const FARTHEST: f64 = 1e-4;
-
-/// Cells to a unit in which lines and planes are looked for, and how near to a border its other side is looked at too.
-const COARSE: f64 = 256.0;
-const NEAR: f64 = 1.0 / 64.0;
 
 /// Whether a direction is the reverse of the one that stands for both: its largest component, the first of those that are about as large, is negative.
 fn is_turned(direction: DVec3) -> bool {
