@@ -83,6 +83,14 @@ fn what_is_wrong_is_one_line_with_its_place() {
         ("group();", "--strict", 1, "m.csg: the model is empty"),
         (MODEL, "--camera 1,2", 2, "runset: invalid value '1,2' for '--camera <NUMBERS>': give seven numbers"),
         (MODEL, "--camera 1,1,1,1,1,1", 2, "runset: invalid value '1,1,1,1,1,1' for '--camera <NUMBERS>': the eye is where it looks"),
+        (MODEL, "--camera nan,0,0,1,1,1", 2, "runset: invalid value 'nan,0,0,1,1,1' for '--camera <NUMBERS>': give seven numbers"),
+        (MODEL, "--camera 0,0,0,0,0,0,1e999", 2, "runset: invalid value '0,0,0,0,0,0,1e999' for '--camera <NUMBERS>': give seven numbers"),
+        (
+            MODEL,
+            "--camera 0,0,0,0,0,0,-1",
+            2,
+            "runset: invalid value '0,0,0,0,0,0,-1' for '--camera <NUMBERS>': the last number is the distance",
+        ),
         (MODEL, "--imgsize 0,5", 2, "runset: invalid value '0,5' for '--imgsize <W,H>': give a width"),
         (MODEL, "--aov colour=x", 2, "runset: invalid value 'colour=x' for '--aov <WHAT=FILE>': give primitive"),
     ] {
