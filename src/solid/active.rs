@@ -103,9 +103,10 @@ impl Faces {
         &self.list
     }
 
-    /// Puts those that are listed in their order at a pixel.
+    /// Puts those that are listed in their order at a pixel: by insertion where little is out of place, else by sorting.
     pub(super) fn order(&mut self, stage: &Stage, column: u32, row: u32) {
         let list = &mut self.list[..];
+        let mut budget = 8 * list.len() + 64;
         for i in 0..list.len() {
             let mut moving = list[i];
             moving.near = stage.depths[moving.plane as usize].at(column, row);
@@ -115,6 +116,14 @@ impl Faces {
                 to -= 1;
             }
             list[to] = moving;
+            match budget.checked_sub(i - to) {
+                Some(left) => budget = left,
+                None => {
+                    list[i + 1..].iter_mut().for_each(|active| active.near = stage.depths[active.plane as usize].at(column, row));
+                    list.sort_unstable_by_key(Active::key);
+                    return;
+                }
+            }
         }
     }
 

@@ -27,6 +27,7 @@ use super::seen::Count;
 use super::stage::{Crossing, Stage};
 use super::timers::{Part, Timers};
 use super::view::Depth;
+use crate::line::FRACTION;
 use crate::sweep::{Scanline, Sweep};
 
 /// Pixels of a scanline that show one face.
@@ -104,6 +105,12 @@ struct Sight {
 
 /// Active edges to a column of the page up to which what is seen is noted.
 const DENSE: usize = 4;
+
+/// So many scanlines are looked down at once.
+const DEEP: u32 = 256;
+
+/// Bits of a pixel to which it is known there where pixels are.
+const FINE: u32 = 20;
 
 /// So many scanlines after a look downwards that did not pay the next is taken.
 const AGAIN: u32 = 8;
@@ -357,15 +364,23 @@ impl Spans {
         let slot = |i: usize| self.sweep.list().get(i).map(|entry| entry.slot());
         let (left, right) = (slot(group.end - 1), slot(group.end));
         let until = [left, right].into_iter().flatten().fold(stage.view.height, |until, slot| until.min(self.sweep.until(slot)));
-        let rows = until - 1 - y;
+        let rows = (until - 1 - y).min(DEEP);
         if rows == 0 {
-            return until;
+            return y + 1;
         }
-        let column = |slot: Option<usize>| slot.map_or(stage.view.width, |slot| self.sweep.column_below(slot, rows));
-        let (left, right) = (column(left), column(right));
-        // Whole columns left of the edge before and right of the one behind, as seen from the first.
-        let from = |column: u32| i128::from(column) - i128::from(columns.start);
-        let (above, below) = ([-1, from(columns.end)], [from(left.min(right)) - 1, from(left.max(right))]);
+        // The leftmost and the rightmost that pixels are on this scanline and on the last, from the first column: faces often meet at the edges, and part behind the
+        // first pixel only.
+        let first = i128::from(columns.start) << FRACTION;
+        let room = |slot: Option<usize>, side: usize| slot.map_or(0, |slot| i128::from(self.sweep.room_below(slot, rows)[side]));
+        let (room_left, room_right) = (room(left, 1), room(right, 0));
+        let ends = |below: u32| {
+            let at = |slot: Option<usize>| slot.map(|slot| self.sweep.position_below(slot, below) - first);
+            let last = i128::from(stage.view.width - 1 - columns.start) << FRACTION;
+            let (left, right) = (at(left).map_or(0, |at| at + room_left), at(right).map_or(last, |at| at - room_right));
+            // Where they have crossed, no pixel is between them.
+            [left.min(right) >> (FRACTION - FINE), -(-left.max(right) >> (FRACTION - FINE))]
+        };
+        let (above, below) = (ends(0), ends(rows));
         let mut stays = rows;
         for (first, second) in self.ordered(pairs) {
             let [a, b] = [first, second].map(|active| &stage.depths[active.plane as usize]);
@@ -373,9 +388,11 @@ impl Spans {
             if (by, across, down) == (0, 0, 0) {
                 continue;
             }
-            let at =
-                |columns: [i128; 2], rows: u32| by + down * i128::from(rows) + across * if across > 0 { columns[0] } else { columns[1] };
-            let (top, bottom) = (at(above, 0), at(below, rows));
+            let at = |ends: [i128; 2], rows: u32| {
+                let straight = by.checked_add(down.checked_mul(rows.into())?)?.checked_mul(1 << FINE)?;
+                straight.checked_add(across.checked_mul(if across > 0 { ends[0] } else { ends[1] })?)
+            };
+            let (Some(top), Some(bottom)) = (at(above, 0), at(below, rows)) else { return y + 1 };
             if top <= 0 {
                 return y + 1;
             }

@@ -92,6 +92,9 @@ pub struct Sweep<T> {
 /// A list may have so many slots without an edge before it is made anew, beside three for each with one.
 const SPARE: usize = 64;
 
+/// The bits of a position behind the point.
+const FRACTIONS: u64 = (1 << line::FRACTION) - 1;
+
 /// Columns that are looked through at once for order.
 const BLOCK: usize = 32;
 
@@ -135,10 +138,23 @@ impl<T: Copy> Sweep<T> {
         self.slots.actives[slot].until
     }
 
-    /// The column of the edge in a slot so many scanlines below, if it reaches that far.
+    /// Where the edge in a slot passes a scanline so many below, if it reaches that far: right of where pixel 0 is looked at, in units of 2^-43 px ([`line::FRACTION`]).
     #[inline]
-    pub fn column_below(&self, slot: usize, rows: u32) -> u32 {
-        line::column(self.slots.at[slot].wrapping_add(self.slots.steps[slot].wrapping_mul(rows.into())))
+    pub fn position_below(&self, slot: usize, rows: u32) -> i128 {
+        let at = self.slots.at[slot].wrapping_add(self.slots.steps[slot].wrapping_mul(rows.into()));
+        i128::from(at as i64) - i128::from(FRACTIONS)
+    }
+
+    /// How far the edge in a slot is at least from the next pixel to the left and to the right of it, in the same units, on this scanline and so many below.
+    pub fn room_below(&self, slot: usize, rows: u32) -> [u64; 2] {
+        let (mut at, step) = (self.slots.at[slot], self.slots.steps[slot]);
+        let [mut left, mut right] = [u64::MAX; 2];
+        for _ in 0..=rows {
+            let past = at & FRACTIONS;
+            (left, right) = (left.min(past + 1), right.min(FRACTIONS - past));
+            at = at.wrapping_add(step);
+        }
+        [left, right]
     }
 
     /// Whether the chain in a slot, which was active on the scanline above, has ended.
