@@ -66,6 +66,8 @@ fn every_format_is_the_same_with_any_threads_and_slices() {
         let mut rng = Rng::new(seed);
         let mut scene = oracle::random::scene(seed);
         scene.height += 500;
+        // Within what a double holds, nine times as large.
+        scene.shapes.iter_mut().for_each(|shape| shape.rings.retain(|ring| ring.iter().all(|p| p.0.abs() < 1e300 && p.1.abs() < 1e300)));
         // One shape from top to bottom, so that no band is all paper.
         let long = vec![(1.0, -3.0), (f64::from(scene.width), 9.0), (2.0, f64::from(scene.height) + 5.0)];
         scene.shapes[0].rings.push(long);
