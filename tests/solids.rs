@@ -85,10 +85,10 @@ fn brute(model: &Model, stage: &Stage) -> Vec<Vec<Seen>> {
                 let mut sums = vec![0; model.parts.len()];
                 let mut before = truths(&model.formula, &sums);
                 for group in active.chunk_by(|a, b| near(*a) == near(*b)) {
-                    group.iter().for_each(|&face| sums[stage.faces[face as usize].part as usize] += turns[face as usize]);
+                    group.iter().for_each(|&face| sums[stage.faces[face as usize].origin.part as usize] += turns[face as usize]);
                     let after = truths(&model.formula, &sums);
                     if after[model.area.index()] {
-                        let part = |face: &&u32| stage.faces[**face as usize].part;
+                        let part = |face: &&u32| stage.faces[**face as usize].origin.part;
                         let candidates = group.iter().filter(|face| made_it(model, part(face), &before, &after));
                         let face = candidates.min_by_key(|face| (stage.faces[**face as usize].rank, **face)).expect("something made it");
                         return Some((part(&face), *face, near(*face)));

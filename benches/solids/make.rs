@@ -138,7 +138,7 @@ pub fn all<const N: usize>(matrices: [Matrix; N]) -> Matrix {
 
 /// A mesh of faces without holes.
 pub fn mesh(points: Vec<Point>, faces: Vec<Vec<u32>>) -> Arc<Mesh> {
-    Arc::new(Mesh { points, faces: faces.into_iter().map(|ring| Face { rings: vec![ring] }).collect() })
+    Arc::new(Mesh { points, faces: faces.into_iter().map(|ring| Face::new(vec![ring])).collect() })
 }
 
 /// A prism of n sides around z, from -height / 2 to height / 2; `phase` is the first corner's angle in sides.

@@ -17,6 +17,7 @@ mod scad;
 mod serve;
 mod signals;
 mod solid;
+mod surface;
 mod table;
 mod tree;
 mod values;

@@ -11,11 +11,13 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use runset::encode::{FORMATS, Format, by_extension};
+use runset::mesh::stl;
 use tempfile::TempPath;
 
 use super::input::Source;
 use super::messages::{Failure, reason};
-use super::{signals, values};
+use super::signals;
+use super::values::{self, Content};
 
 /// What the user says about the output.
 #[derive(Clone, clap::Args)]
@@ -28,7 +30,7 @@ pub struct Target {
 
     /// Format of the output [default: from OUT's extension, else ndjson; png for solid]
     #[arg(long, value_name = "FORMAT", value_parser = values::format())]
-    format: Option<&'static Format>,
+    format: Option<Content>,
 }
 
 impl Target {
@@ -59,7 +61,7 @@ impl Target {
     /// The format that was asked for, or that the extension of the output's name says.
     ///
     /// # Errors
-    /// No format has that extension.
+    /// No format of rasters has that name or extension.
     pub fn format(&self) -> Result<&'static Format, Failure> {
         self.format_or("ndjson")
     }
@@ -67,9 +69,12 @@ impl Target {
     /// The same with another format for an output whose name says none.
     ///
     /// # Errors
-    /// No format has that extension.
+    /// No format of rasters has that name or extension.
     pub fn format_or(&self, default: &str) -> Result<&'static Format, Failure> {
-        if let Some(format) = self.format {
+        if self.is_surface() {
+            return Err(Failure::Usage(format!("{} is for surfaces of models: runset solid writes it", stl::NAME)));
+        }
+        if let Some(Content::Raster(format)) = self.format {
             return Ok(format);
         }
         match self.path().and_then(Path::extension) {
@@ -80,6 +85,12 @@ impl Target {
             }),
             None => Ok(by_extension(default).expect("the default format exists")),
         }
+    }
+
+    /// Whether a surface is asked for, by the format or by the extension of the output's name.
+    pub fn is_surface(&self) -> bool {
+        let extension = || self.path().and_then(Path::extension).is_some_and(|e| e.eq_ignore_ascii_case(stl::EXTENSION));
+        matches!(self.format, Some(Content::Surface)) || self.format.is_none() && extension()
     }
 
     /// The file, unless it is standard output.
@@ -105,12 +116,24 @@ impl Output {
     /// # Errors
     /// The output is the input, or a terminal that a binary format would spoil; its folder is missing or not writable.
     pub fn create(target: &Target, source: &Source, format: &Format) -> Result<Output, Failure> {
+        Output::holding(target, source, format.name, format.binary)
+    }
+
+    /// The same for an STL.
+    ///
+    /// # Errors
+    /// Those of [`Output::create`].
+    pub fn surface(target: &Target, source: &Source) -> Result<Output, Failure> {
+        Output::holding(target, source, stl::NAME, true)
+    }
+
+    fn holding(target: &Target, source: &Source, format: &str, binary: bool) -> Result<Output, Failure> {
         let output = match target.path() {
             Some(path) => Output::named(path, source)?,
             None => Output::standard(source)?,
         };
-        if format.binary && output.is_terminal() {
-            let what = format!("{} is a binary format and {} is a terminal; name a file with -o", format.name, output.name);
+        if binary && output.is_terminal() {
+            let what = format!("{format} is a binary format and {} is a terminal; name a file with -o", output.name);
             return Err(Failure::Usage(what));
         }
         widen(&output.file);

@@ -2,6 +2,7 @@
 
 use clap_complete::Shell;
 use runset::encode::{FORMATS, Format};
+use runset::mesh::stl;
 
 use super::messages::{Failure, print};
 use super::table::table;
@@ -44,7 +45,8 @@ pub struct Man {
 pub fn formats() -> Result<(), Failure> {
     let heading = ["format", "extensions", "media type", "about"].map(str::to_owned);
     let row = |f: &Format| [f.name, &f.extensions.join(" "), f.media_type, f.about].map(str::to_owned);
-    let rows: Vec<_> = std::iter::once(heading).chain(FORMATS.iter().map(row)).collect();
+    let surface = [stl::NAME, stl::EXTENSION, stl::MEDIA_TYPE, stl::ABOUT].map(str::to_owned);
+    let rows: Vec<_> = std::iter::once(heading).chain(FORMATS.iter().map(row)).chain([surface]).collect();
     print(&table(rows.len(), [false; 4], |i, cells| cells.clone_from(&rows[i])))
 }
 

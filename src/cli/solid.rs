@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use runset::input::{ModelOptions, read_model};
+use runset::error::Warning;
+use runset::input::{ModelOptions, Reading, read_tree};
 use runset::job::{self, Aov, Job, Kept, SolidOptions};
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::shade::{SCHEMES, Scheme};
@@ -14,8 +15,8 @@ use super::input::Source;
 use super::messages::{Ends, Failure};
 use super::output::{Output, Target};
 use super::progress::Progress;
-use super::scad;
 use super::work::Work;
+use super::{scad, surface};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -29,6 +30,8 @@ Examples:
       view-1.png and view-2.png, of a model that is read once
   runset solid part.scad --aov depth=part.pfm --aov primitive=part.pgm -o part.ppm
       with depths and parts as numbers; a .scad needs openscad on the path
+  runset solid part.csg -o part.stl
+      its surface, worked out
   runset solid part.csg --format rls | runset convert - -o part.png
       through a line stream";
 
@@ -41,10 +44,10 @@ Examples:
 pub struct Solid {
     /// Model to read; - is standard input
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
-    input: PathBuf,
+    pub(super) input: PathBuf,
 
     #[command(flatten)]
-    output: Target,
+    pub(super) output: Target,
 
     /// Size of the page in pixels
     #[arg(long, value_name = "W,H", default_value = "512,512", value_parser = job::image_size)]
@@ -89,8 +92,37 @@ pub struct Solid {
     #[arg(long, value_name = "WHAT=FILE", value_parser = aov)]
     aov: Vec<(Aov, PathBuf)>,
 
+    /// Work out what render() holds to meshes first, and show these
+    ///
+    /// The picture is the same but for single pixels at outlines.
+    #[arg(long)]
+    evaluate: bool,
+
     #[command(flatten)]
-    work: Work,
+    pub(super) work: Work,
+}
+
+impl Solid {
+    /// An option that only a picture can have, if one was given.
+    pub(super) fn of_a_view(&self) -> Option<&'static str> {
+        let given = [
+            (!self.camera.is_empty(), "--camera"),
+            (self.viewall, "--viewall"),
+            (self.autocenter, "--autocenter"),
+            (!self.section.is_empty(), "--section"),
+            (self.lines.is_some(), "--lines"),
+            (!self.aov.is_empty(), "--aov"),
+        ];
+        given.into_iter().find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// The model that the input holds.
+    pub(super) fn read(&self, source: &Source, ends: &Ends<'_>, warnings: &mut Vec<Warning>) -> Result<Reading, Failure> {
+        let limits = self.work.limits();
+        let bytes = if scad::is_program(&self.input) { scad::tree(&self.input, limits.input)? } else { source.read(limits.input)? };
+        let options = ModelOptions { limits, folder: source.folder() };
+        read_tree(&bytes, &options, warnings).map_err(|error| ends.failure(&error))
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -129,8 +161,11 @@ fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
 /// # Errors
 /// Whatever keeps the picture from being complete.
 pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
-    let format = args.output.format_or("png")?;
     let source = Source::find(&args.input)?;
+    if args.output.is_surface() {
+        return surface::run(args, &source);
+    }
+    let format = args.output.format_or("png")?;
     let input_name = source.name();
     let (width, height) = args.imgsize;
     let options = |camera: Option<Camera>, started| {
@@ -157,14 +192,13 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let of_input = Ends { input: &input_name, output: "" };
     let header = options(cameras[0], started).header().map_err(|error| of_input.failure(&error))?;
 
-    let limits = args.work.limits();
-    let bytes = if scad::is_program(&args.input) { scad::tree(&args.input, limits.input)? } else { source.read(limits.input)? };
-    let reading = ModelOptions { limits, folder: source.folder() };
     let mut warnings = Vec::new();
-    let model = read_model(&bytes, &reading, &mut warnings).map_err(|error| of_input.failure(&error))?;
-    drop(bytes);
-    let kept = Kept::new(&model, &limits, &mut warnings).map_err(|error| of_input.failure(&error))?;
-    drop(model);
+    let mut reading = args.read(&source, &of_input, &mut warnings)?;
+    if args.evaluate {
+        job::evaluate(&mut reading, &mut warnings).map_err(|error| of_input.failure(&error))?;
+    }
+    let kept = Kept::new(&reading.model, &args.work.limits(), &mut warnings).map_err(|error| of_input.failure(&error))?;
+    drop(reading);
     of_input.warn(&warnings, args.work.strict)?;
 
     for (camera, number) in cameras.iter().zip(1..) {
@@ -177,8 +211,9 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
         let ends = Ends { output: &name, ..of_input };
         let job = Job::solid(&kept, &options(*camera, began)).map_err(|error| ends.failure(&error))?;
         let mut progress = Progress::new(&args.work.watch, Some(header.height()), output.is_terminal());
-        let stats =
-            job.render(format, limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+        let stats = job
+            .render(format, args.work.limits().threads, &mut output, &mut |done| progress.set(done))
+            .map_err(|error| ends.failure(&error))?;
         drop(progress);
         for (aov, out) in &mut numbers {
             let name = out.name().to_owned();

@@ -6,11 +6,22 @@ use std::time::Duration;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use runset::encode::{FORMATS, Format, by_name};
 use runset::job::TOLERANCES;
+use runset::mesh::stl;
+
+/// What an output holds.
+#[derive(Clone, Copy)]
+pub enum Content {
+    /// A raster in a format.
+    Raster(&'static Format),
+    /// The surface of a model, as STL.
+    Surface,
+}
 
 /// The name of a format.
-pub fn format() -> impl TypedValueParser<Value = &'static Format> {
-    let names = FORMATS.iter().map(|format| PossibleValue::new(format.name).help(format.about));
-    PossibleValuesParser::new(names).map(|name| by_name(&name).expect("one of the names listed"))
+pub fn format() -> impl TypedValueParser<Value = Content> {
+    let names = FORMATS.iter().map(|format| (format.name, format.about)).chain([(stl::NAME, stl::ABOUT)]);
+    PossibleValuesParser::new(names.map(|(name, about)| PossibleValue::new(name).help(about)))
+        .map(|name| by_name(&name).map_or(Content::Surface, Content::Raster))
 }
 
 /// A whole number within bounds.

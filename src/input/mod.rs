@@ -15,7 +15,7 @@ mod svg;
 
 pub use fonts::Fonts;
 pub use model::{ModelOptions, is_model, read_model, read_tree};
-pub use reading::{Listed, Reading};
+pub use reading::{Listed, Reading, Rendered};
 
 use std::io::Read;
 

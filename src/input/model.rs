@@ -54,7 +54,7 @@ pub fn read_tree(bytes: &[u8], options: &ModelOptions, warnings: &mut Vec<Warnin
         let place = None;
         let part = Part { mesh: mesh.into(), matrix: IDENTITY, color: None, kind: "mesh", place };
         let tree = vec![Listed { kind: "mesh", place, depth: 0, part: Some(0) }];
-        return Ok(Reading { model: Model { parts: vec![part], formula, area }, tree });
+        return Ok(Reading { model: Model { parts: vec![part], formula, area }, tree, rendered: Vec::new() });
     }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match text.trim_ascii_start() {

@@ -2,6 +2,7 @@
 
 use crate::error::Place;
 use crate::mesh::Model;
+use crate::scene::Area;
 
 /// A statement of a model's document.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,6 +17,15 @@ pub struct Listed {
     pub part: Option<u32>,
 }
 
+/// A part of a model that its document wants worked out to a surface: OpenSCAD's `render`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rendered {
+    /// What it fills: an area of the model's formula.
+    pub area: Area,
+    /// Where the statement begins.
+    pub place: Place,
+}
+
 /// A model with its document's tree.
 #[derive(Clone, Debug)]
 pub struct Reading {
@@ -23,4 +33,6 @@ pub struct Reading {
     pub model: Model,
     /// The statements that count, in document order. What is marked as background or disabled is not among them.
     pub tree: Vec<Listed>,
+    /// What is to be worked out, inner statements before outer ones. Only who wants it does so: the picture is the same.
+    pub rendered: Vec<Rendered>,
 }

@@ -19,6 +19,8 @@ pub struct Kept {
     pub(super) leaves: Vec<(usize, Node)>,
     /// Colours of the parts, of those that have one.
     pub(super) colours: Vec<Option<Rgb>>,
+    /// How many parts have a surface.
+    parts: u64,
     bounds: Option<[[f64; 3]; 2]>,
     /// See [`Limits::pairs`].
     pub(super) pairs: u64,
@@ -41,15 +43,16 @@ impl Kept {
             body,
             program,
             leaves,
+            parts: model.parts.iter().filter(|part| !part.mesh.faces.is_empty()).count() as u64,
             colours: model.parts.iter().map(|part| part.color).collect(),
             bounds: Extents::new(&model.formula, &of_parts).of(model.area),
             pairs: limits.pairs,
         })
     }
 
-    /// How many parts it has.
+    /// How many parts it has, without those that are empty.
     pub fn parts(&self) -> u64 {
-        self.colours.len() as u64
+        self.parts
     }
 
     /// Faces of all parts.

@@ -9,6 +9,7 @@
 //! be pulled; both give the same bytes.
 
 mod convert;
+mod evaluate;
 mod explain;
 mod extents;
 mod gather;
@@ -25,6 +26,7 @@ mod stream;
 mod view;
 
 pub use convert::convert;
+pub use evaluate::{evaluate, stl};
 pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
 pub use kept::Kept;

@@ -129,7 +129,7 @@ impl Job {
                     for x in span.start..span.end {
                         let pixel = &mut row[x as usize * aov.pixel().len()..][..aov.pixel().len()];
                         match aov {
-                            Aov::Primitive => pixel.copy_from_slice(&((face.part + 1).min(65_535) as u16).to_be_bytes()),
+                            Aov::Primitive => pixel.copy_from_slice(&((face.origin.part + 1).min(65_535) as u16).to_be_bytes()),
                             Aov::Depth => {
                                 let near = stage.depths[face.plane as usize].at(x, y);
                                 pixel.copy_from_slice(&(stage.view.distance(near, stage.farthest) as f32).to_le_bytes());

@@ -35,7 +35,7 @@ impl Builder {
         let mut rings = rings.into_iter().map(clean);
         let Some(outer) = rings.next().filter(|ring| ring.len() > 2) else { return };
         let rings = std::iter::once(outer).chain(rings.filter(|ring| ring.len() > 2)).collect();
-        self.mesh.faces.push(Face { rings });
+        self.mesh.faces.push(Face::new(rings));
     }
 
     /// The mesh.

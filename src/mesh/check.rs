@@ -41,6 +41,14 @@ pub struct Placed {
 
 /// The part at its place, put right.
 pub fn placed(part: &Part) -> Placed {
+    let mut placed = closed(part);
+    let Mesh { points, faces } = &mut placed.mesh;
+    faces.retain(|face| !thin(points, face));
+    placed
+}
+
+/// The part at its place, put right but for faces without area, which are still there: every edge is used equally often in both directions.
+pub fn closed(part: &Part) -> Placed {
     let points: Vec<Point> = part.mesh.points.iter().map(|p| super::moved(&part.matrix, *p)).collect();
     let mut faces = part.mesh.faces.clone();
     if super::determinant(&part.matrix) < 0.0 {
@@ -64,7 +72,7 @@ pub fn placed(part: &Part) -> Placed {
             let is_large = face.rings.iter().map(Vec::len).sum::<usize>() > CORNERS;
             large += u64::from(is_large);
             let triangles = if is_large { fans(&face) } else { triangles(&points, &face) };
-            kept.extend(triangles.into_iter().map(|t| Face { rings: vec![t.to_vec()] }));
+            kept.extend(triangles.into_iter().map(|t| Face { rings: vec![t.to_vec()], origin: face.origin }));
         }
     }
     kept.retain(|face| !thin(&points, face));
@@ -74,24 +82,29 @@ pub fn placed(part: &Part) -> Placed {
 /// All parts of a model, in order; `warnings` receives what was wrong with which.
 pub fn all_placed(model: &Model, warnings: &mut Vec<Warning>) -> Vec<Placed> {
     let placed: Vec<Placed> = model.parts.iter().map(placed).collect();
-    for (part, placed) in model.parts.iter().zip(&placed) {
+    model.parts.iter().zip(&placed).for_each(|(part, placed)| placed.tell(part, warnings));
+    placed
+}
+
+impl Placed {
+    /// Says what was wrong with the part.
+    pub(super) fn tell(&self, part: &Part, warnings: &mut Vec<Warning>) {
         let mut warn = |what: String| warnings.push(Warning { place: part.place, ..Warning::input(what) });
-        match placed.open_edges {
+        match self.open_edges {
             0 => {}
             1 => warn(format!("1 open edge in this {}: the surface is closed there by triangles", part.kind)),
             open => warn(format!("{open} open edges in this {}: the surface is closed there by triangles", part.kind)),
         }
-        if placed.inside_out {
+        if self.inside_out {
             warn(format!("this {} is inside out: it is turned; OpenSCAD wants faces clockwise as seen from outside", part.kind));
         }
-        if placed.fans > 0 {
+        if self.fans > 0 {
             warn(format!(
                 "a face of this {} is not plane and has more than {CORNERS} corners: it is cut from its first corner; give it as triangles",
                 part.kind
             ));
         }
     }
-    placed
 }
 
 /// Turns a face over.
@@ -117,7 +130,7 @@ fn caps(points: &[Point], faces: &[Face]) -> (Vec<Face>, u64) {
             used[next] = true;
             let [from, to] = missing[next];
             if from != start && to != start {
-                caps.push(Face { rings: vec![vec![start, from, to]] });
+                caps.push(Face::new(vec![vec![start, from, to]]));
             }
             if to == start {
                 break;
@@ -273,7 +286,7 @@ mod tests {
                 continue;
             }
             let faces = (0..8).flat_map(|i| std::iter::repeat_n(all[i as usize], (choice >> (2 * i) & 3) as usize));
-            let mesh = Mesh { points: points.clone(), faces: faces.map(|f| Face { rings: vec![f.to_vec()] }).collect() };
+            let mesh = Mesh { points: points.clone(), faces: faces.map(|f| Face::new(vec![f.to_vec()])).collect() };
             let (caps, _) = caps(&mesh.points, &mesh.faces);
             let closed: Vec<Face> = mesh.faces.into_iter().chain(caps).collect();
             assert!(unpaired(6, &closed).is_empty(), "{choice}");

@@ -4,6 +4,7 @@
 //! [`Part`] is a mesh at its place, with a colour; a [`Model`] is parts and a [`Formula`] over them, the same as that of plane shapes. A
 //! part may stand at several places of the formula.
 
+pub mod boolean;
 pub mod build;
 pub mod check;
 pub mod extrude;
@@ -12,6 +13,8 @@ pub mod hull;
 pub mod outline;
 pub mod primitive;
 pub mod section;
+pub mod stl;
+pub mod surface;
 pub mod triangles;
 pub mod turn;
 
@@ -42,6 +45,24 @@ pub struct Mesh {
 pub struct Face {
     /// The outer ring and the holes.
     pub rings: Vec<Vec<u32>>,
+    /// Whose surface it lies on, if that is not the part that has it: in a mesh that was worked out from several parts.
+    pub origin: Option<Origin>,
+}
+
+impl Face {
+    /// A face of its own part.
+    pub fn new(rings: Vec<Vec<u32>>) -> Face {
+        Face { rings, origin: None }
+    }
+}
+
+/// Whose surface a face lies on, and which side of it is outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Origin {
+    /// It looks into that part, which was taken away there.
+    pub turned: bool,
+    /// Index into [`Model::parts`].
+    pub part: u32,
 }
 
 /// The first three rows of a 4 x 4 matrix, row by row: from a mesh's own coordinates to the model's.

@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     fn area(points: &[Point], triangles: &[[u32; 3]]) -> Point {
-        let faces = triangles.iter().map(|t| normal(points, &Face { rings: vec![t.to_vec()] }).0);
+        let faces = triangles.iter().map(|t| normal(points, &Face::new(vec![t.to_vec()])).0);
         faces.fold([0.0; 3], |s, n| [0, 1, 2].map(|i| s[i] + n[i]))
     }
 
@@ -77,7 +77,7 @@ mod tests {
         let ring = |low: f64, high: f64| [[low, low, 5.0], [high, low, 5.0], [high, high, 5.0], [low, high, 5.0]];
         let points: Vec<Point> = ring(0.0, 4.0).into_iter().chain(ring(1.0, 2.0)).collect();
         for turned in [false, true] {
-            let mut face = Face { rings: vec![vec![0, 1, 2, 3], vec![7, 6, 5, 4]] };
+            let mut face = Face::new(vec![vec![0, 1, 2, 3], vec![7, 6, 5, 4]]);
             if turned {
                 face.rings.iter_mut().for_each(|r| r.reverse());
             }
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn what_meets_itself_is_a_fan() {
         let points = vec![[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
-        let face = Face { rings: vec![vec![0, 1, 2, 3]] };
+        let face = Face::new(vec![vec![0, 1, 2, 3]]);
         assert!(same_edges(&triangles(&points, &face), &face));
     }
 }

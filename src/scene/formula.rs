@@ -99,6 +99,25 @@ impl Formula {
         self.add(Gate::AtLeast(0, vec![Input { area, weight: -1 }]))
     }
 
+    /// How often each gate is an input within an area, and the area itself once more: 0 for those that it does not need.
+    pub fn uses(&self, area: Area) -> Vec<u32> {
+        let mut uses = vec![0_u32; self.gates.len()];
+        let mut open = vec![area];
+        while let Some(area) = open.pop() {
+            let uses = &mut uses[area.index()];
+            *uses += 1;
+            if let (1, Gate::AtLeast(_, inputs) | Gate::Odd(inputs)) = (*uses, &self.gates[area.index()]) {
+                open.extend(inputs.iter().map(|input| input.area));
+            }
+        }
+        uses
+    }
+
+    /// From now on the area is the fill of shape `index`, wherever it is an input.
+    pub fn becomes(&mut self, area: Area, index: u32) {
+        self.gates[area.index()] = Gate::Shape(index);
+    }
+
     fn add(&mut self, gate: Gate) -> Area {
         let area = Area(u32::try_from(self.gates.len()).expect("nodes are limited at the door"));
         self.gates.push(gate);

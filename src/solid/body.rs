@@ -23,7 +23,7 @@ use glam::DVec3;
 use super::same::{Space, ordered};
 use crate::error::{Error, Kind, Result};
 use crate::mesh::check::Placed;
-use crate::mesh::{Mesh, Model};
+use crate::mesh::{Mesh, Model, Origin};
 use crate::run::Rgb;
 
 /// How far apart things are that count as one, in terms of the model's size.
@@ -72,6 +72,8 @@ pub struct Face {
     pub plane: u32,
     /// Its part: an index into the model's parts.
     pub part: u32,
+    /// Whose surface it shows.
+    pub origin: Origin,
 }
 
 /// A model with identity, in no view yet.
@@ -112,8 +114,8 @@ impl Body {
 #[derive(Default)]
 struct Raw {
     points: Vec<DVec3>,
-    /// Part and ring ends of every face.
-    faces: Vec<(u32, Vec<usize>)>,
+    /// Part, origin and ring ends of every face.
+    faces: Vec<(u32, Origin, Vec<usize>)>,
     /// Corners of all rings of all faces.
     corners: Vec<u32>,
 }
@@ -128,7 +130,7 @@ impl Raw {
                 self.corners.extend(ring.iter().map(|&corner| before + corner));
                 ends.push(self.corners.len());
             }
-            self.faces.push((part, ends));
+            self.faces.push((part, face.origin.unwrap_or(Origin { turned: false, part }), ends));
         }
     }
 
@@ -146,7 +148,7 @@ impl Raw {
         // Faces as rings of distinct corners, with their areas.
         let mut flat: Vec<Flat> = Vec::with_capacity(faces.len());
         let mut start = 0;
-        for (part, ends) in faces {
+        for (part, origin, ends) in faces {
             let rings: Vec<Vec<u32>> = ends
                 .iter()
                 .map(|&end| {
@@ -161,11 +163,12 @@ impl Raw {
                 .collect();
             let area = rings.iter().map(|ring| vector_area(&points, ring)).sum::<DVec3>();
             if area.length() > space.same * space.same {
-                flat.push(Flat { part, rings, area });
+                flat.push(Flat { part, origin, rings, area });
             }
         }
         let (planes, plane_of) = space.distinct_planes(&points, &flat);
-        let faces: Vec<Face> = flat.iter().zip(plane_of).map(|(face, plane)| Face { plane, part: face.part }).collect();
+        let faces: Vec<Face> =
+            flat.iter().zip(plane_of).map(|(face, plane)| Face { plane, part: face.part, origin: face.origin }).collect();
         let mut edges = winged(points.len(), &flat);
         let lines = space.distinct_lines(&points, &faces, &mut edges);
         let ranks = ranks(model, &points, &flat);
@@ -180,6 +183,7 @@ impl Raw {
 /// A face while it is looked at.
 pub(super) struct Flat {
     part: u32,
+    origin: Origin,
     rings: Vec<Vec<u32>>,
     /// Half of the sum of cross products: along the normal, as long as the area.
     pub(super) area: DVec3,

@@ -80,11 +80,14 @@ pub fn cut(body: &mut Cow<'_, Body>, plane: Plane) {
     let mut line_of: HashMap<u32, u32, FixedState> = HashMap::default();
     let mut cap_of: HashMap<u32, u32, FixedState> = HashMap::default();
     for (face, [leaves, returns]) in open {
-        let Face { plane: own, part } = faces[face as usize];
+        let Face { plane: own, part, origin } = faces[face as usize];
         let cap = *cap_of.entry(part).or_insert_with(|| {
-            faces.push(Face { plane: record, part });
+            faces.push(Face { plane: record, part, origin });
             faces.len() as u32 - 1
         });
+        // Of a part that was worked out from others it shows the first that is cut there.
+        let shown = &mut faces[cap as usize].origin;
+        *shown = origin.min(*shown);
         for (from, to) in leaves.into_iter().zip(returns).filter(|(from, to)| from != to) {
             let line = *line_of.entry(own).or_insert_with(|| {
                 let along = planes[own as usize].normal.cross(plane.normal);

@@ -73,8 +73,12 @@ impl Colours {
             // What is seen of a plane is turned to the eye, whichever side that is.
             let toward = if stage.is_toward(face.plane) { normal } else { -normal };
             let bright = AMBIENT + (1.0 - AMBIENT) * toward.dot(light).max(0.0);
-            let own = parts[face.part as usize];
-            [own.unwrap_or(scheme.front), own.unwrap_or(scheme.back)].map(|colour| {
+            let own = parts[face.origin.part as usize];
+            let mut sides = [own.unwrap_or(scheme.front), own.unwrap_or(scheme.back)];
+            if face.origin.turned {
+                sides.reverse();
+            }
+            sides.map(|colour| {
                 let [r, g, b] = colour.map(|c| (f64::from(c) * bright).round() as u32);
                 r << 16 | g << 8 | b
             })

@@ -20,6 +20,7 @@ use super::view::{Depth, Projection, SAMPLE, View};
 use crate::bounds::{Bounds, join};
 use crate::count::{Node, Program};
 use crate::line::{FRACTION, Line};
+use crate::mesh::Origin;
 use crate::sweep::{Edge, Edges};
 
 pub use super::body::Plane;
@@ -42,8 +43,8 @@ pub struct Face {
     pub plane: u32,
     /// The counter of its part.
     pub leaf: Node,
-    /// Its part.
-    pub part: u32,
+    /// Whose surface it shows.
+    pub origin: Origin,
     /// Which face is shown of several that are equally near, and whose parts make the difference: that with the least.
     pub rank: u32,
 }
@@ -105,7 +106,7 @@ impl Stage {
         let depths = body.planes.iter().zip(&inside).map(depth).collect();
         let faces = body.faces.iter().map(|face| {
             let part = face.part as usize;
-            Face { plane: face.plane, leaf: leaf_of[part], part: face.part, rank: body.ranks[part] }
+            Face { plane: face.plane, leaf: leaf_of[part], origin: face.origin, rank: body.ranks[part] }
         });
         Stage { view, edges: edges.finish(), faces: faces.collect(), depths, planes: body.planes.clone(), program, farthest }
     }

@@ -45,7 +45,7 @@ pub fn drawn(stage: &Arc<Stage>, rows: std::ops::Range<u32>, savings: Savings) -
             last = span.end;
             for x in span.start..span.end {
                 let face = &stage.faces[span.face as usize];
-                pixels[x as usize] = Some((face.part, span.face, stage.depths[face.plane as usize].at(x, y)));
+                pixels[x as usize] = Some((face.origin.part, span.face, stage.depths[face.plane as usize].at(x, y)));
             }
         }
         picture.push(pixels);

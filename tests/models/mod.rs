@@ -39,7 +39,7 @@ pub fn prism(rings: &[Vec<[f64; 2]>], z0: f64, z1: f64) -> Mesh {
         mesh.points.extend(ring.iter().map(|p| [p[0], p[1], z1]));
         for i in 0..n {
             let (a, b) = (first + i, first + (i + 1) % n);
-            mesh.faces.push(Face { rings: vec![vec![a, b, b + n, a + n]] });
+            mesh.faces.push(Face::new(vec![vec![a, b, b + n, a + n]]));
         }
         bottom.rings.push((0..n).rev().map(|i| first + i).collect());
         top.rings.push((0..n).map(|i| first + n + i).collect());
@@ -75,7 +75,7 @@ pub fn frame() -> Mesh {
 pub fn tetrahedron() -> Mesh {
     let points = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
-    Mesh { points, faces: faces.iter().map(|ring| Face { rings: vec![ring.to_vec()] }).collect() }
+    Mesh { points, faces: faces.iter().map(|ring| Face::new(vec![ring.to_vec()])).collect() }
 }
 
 /// A turn and a shift as a matrix.

@@ -1,5 +1,6 @@
 //! What statements make, and how operands become one.
 
+use super::super::reading::Rendered;
 use super::modules::Kind as Module;
 use super::{Reader, Surroundings, tangled};
 use crate::error::{Place, Result};
@@ -266,6 +267,16 @@ impl Reader<'_, '_> {
                 Gate::Any(any)
             }
         }
+    }
+
+    /// `render`: an area of its own, which no operator takes apart.
+    pub(super) fn rendered(&mut self, gate: Gate, place: Place) -> Gate {
+        if matches!(&gate, Gate::Any(areas) if areas.is_empty()) {
+            return gate;
+        }
+        let area = gate.area(&mut self.formula);
+        self.rendered.push(Rendered { area, place });
+        Gate::Any(vec![area])
     }
 
     /// `hull`: of outlines in the plane, of corners in space.

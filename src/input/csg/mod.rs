@@ -21,7 +21,7 @@ use self::made::{Made, Purpose, Solid};
 use self::modules::{Kind as Module, MODULES};
 use self::tree::{Statement, Tree};
 use self::values::Arguments;
-use super::reading::{Listed, Reading};
+use super::reading::{Listed, Reading, Rendered};
 use crate::error::{Error, Kind, Place, Places, Result, Warning};
 use crate::mesh::outline::{Outline, Tangled};
 use crate::mesh::{FARTHEST, IDENTITY, Matrix, Mesh, Model, Part, extrude, product};
@@ -49,6 +49,7 @@ pub(super) fn read(text: &[u8], limits: &Limits, folder: Option<&Path>, warnings
         faces: 0,
         outline_work: 0,
         listed: Vec::new(),
+        rendered: Vec::new(),
     };
     reader.model()
 }
@@ -68,6 +69,7 @@ struct Reader<'d, 't> {
     /// See [`OUTLINE_WORK`].
     outline_work: u64,
     listed: Vec<Listed>,
+    rendered: Vec<Rendered>,
 }
 
 /// What a statement's surroundings say of it.
@@ -148,7 +150,7 @@ impl<'d, 't> Reader<'d, 't> {
             }
             _ => self.formula.any(&[]),
         };
-        Ok(Reading { model: Model { parts: self.parts, formula: self.formula, area }, tree: self.listed })
+        Ok(Reading { model: Model { parts: self.parts, formula: self.formula, area }, tree: self.listed, rendered: self.rendered })
     }
 
     /// The statement that is marked as the only one, if there is one.
@@ -185,7 +187,7 @@ impl<'d, 't> Reader<'d, 't> {
         arguments.check(&mut self.places, self.warnings);
         let mut inner = around;
         match module.kind {
-            Module::Union | Module::Difference | Module::Intersection => {}
+            Module::Union | Module::Render | Module::Difference | Module::Intersection => {}
             Module::Matrix => inner.matrix = product(&around.matrix, &leaves::matrix(&arguments)?),
             Module::Color => inner.color = around.color.or(leaves::color(&arguments, place, self.warnings)?),
             Module::Hull => inner = Surroundings { matrix: IDENTITY, color: None, purpose: Purpose::Hull },
@@ -324,6 +326,10 @@ impl<'d, 't> Reader<'d, 't> {
                 _ => Made::Nothing,
             }),
             Module::Hull => self.hull(operands, own, place),
+            Module::Render => Ok(match self.combined(operands, kind, inner.purpose, place)? {
+                Made::Solid(Solid::Gate(gate)) => Made::Solid(Solid::Gate(self.rendered(gate, place))),
+                made => made,
+            }),
             _ => self.combined(operands, kind, inner.purpose, place),
         }
     }

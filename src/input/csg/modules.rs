@@ -4,6 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Union,
+    Render,
     Difference,
     Intersection,
     Matrix,
@@ -42,7 +43,7 @@ macro_rules! modules {
 modules! {
     "group" Union [];
     "union" Union [];
-    "render" Union ["convexity"];
+    "render" Render ["convexity"];
     "difference" Difference [];
     "intersection" Intersection [];
     "multmatrix" Matrix ["m"];
