@@ -23,12 +23,16 @@ export class Camera {
     this.size = 1;
   }
 
-  /** Goes to where all of a model is seen; without bounds it is empty. @param {[number[], number[]] | null} bounds */
-  fit(bounds) {
+  /**
+   * Goes to where all of a model is seen; without bounds it is empty.
+   * @param {[number[], number[]] | null} bounds @param {{ width: number, height: number }} page
+   */
+  fit(bounds, { width, height }) {
     const [least, most] = bounds ?? [[0, 0, 0], [1, 1, 1]];
     this.size = Math.max(Math.hypot(...most.map((x, i) => x - least[i])), 1e-300);
     this.target = /** @type {Vector} */ (least.map((x, i) => (x + most[i]) / 2));
-    this.far = this.size / 2 / Math.sin(HALF);
+    // The field of view is that of the height: a page that is higher than wide sees less across.
+    this.far = (this.size / 2 / Math.sin(HALF)) * Math.max(height / width, 1);
   }
 
   /** As a query gives it. */

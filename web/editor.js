@@ -67,6 +67,17 @@ export class Editor extends EventTarget {
     const end = this.text.indexOf("\n", start);
     this.input.setSelectionRange(start, end < 0 ? this.text.length : end);
     this.mark(line);
+    const { scrollLeft, clientWidth } = this.input;
+    const left = this.#width(this.text.slice(this.text.lastIndexOf("\n", start - 1) + 1, start));
+    if (left < scrollLeft || left > scrollLeft + 0.8 * clientWidth) this.input.scrollLeft = left - clientWidth / 3;
+  }
+
+  /** How wide the beginning of a line is, in CSS pixels. @param {string} text */
+  #width(text) {
+    const context = new OffscreenCanvas(1, 1).getContext("2d");
+    if (!context) return 0;
+    context.font = getComputedStyle(this.input).font;
+    return context.measureText(text.replaceAll("\t", "  ")).width;
   }
 
   /**

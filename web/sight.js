@@ -9,13 +9,13 @@
 import { drawRaster } from "./drawing.js";
 
 /**
- * What is to be seen. `view` is the query of the view but for its size and moves, `fine` what it has more when it rests; `request` makes a request of a query.
+ * What is to be seen. `model` tells the model from others; `view` is the query of the view but for its size and moves, `fine` what it has more when it rests; `request` makes a request of a query.
  * @typedef {{
- *   view: Record<string, string>, moves: string[], fine: Record<string, string>,
+ *   model: string, view: Record<string, string>, moves: string[], fine: Record<string, string>,
  *   request: (query: [string, string][]) => import("./worker.js").Request,
  * }} Wish
  *
- * A picture that is there, or comes: of which view, with which moves, of which level.
+ * A picture that is there, or comes: of which model, view and level, with which moves.
  * @typedef {{ canvas: OffscreenCanvas, key: string, moves: string[], front: number }} Picture
  *
  * What is told of every picture: milliseconds from its request on, lines that came.
@@ -109,8 +109,8 @@ export class Sight extends EventTarget {
   }
 
   /** What tells a picture from others but for moves. @param {Wish} wish @param {number} level */
-  #keyOf({ view }, level) {
-    return JSON.stringify([view, this.#sizeOf(level)]);
+  #keyOf({ model, view }, level) {
+    return JSON.stringify([model, view, this.#sizeOf(level)]);
   }
 
   /** @param {number} level */

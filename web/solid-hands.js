@@ -41,8 +41,8 @@ export function listen(canvas, ratio, act) {
       if (began?.does === "grab") act.drop(false);
       began = undefined;
     } else if (down.size === 1) {
-      const pans = event.button !== 0 || (event.shiftKey && !act.moves());
-      const grabs = !pans && (act.moves() || event.ctrlKey || event.metaKey);
+      const grabs = event.button === 0 && (act.moves() || event.ctrlKey || event.metaKey);
+      const pans = !grabs && (event.button !== 0 || event.shiftKey);
       began = { ...here, does: pans ? "pan" : grabs ? "grab" : "orbit", still: true };
       if (grabs) act.grab(here.x, here.y);
     }

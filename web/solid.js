@@ -51,7 +51,7 @@ function show(moving) {
   const shown = model;
   if (!shown) return sight.show(undefined, false);
   const moves = held?.picked && held.by.some((x) => x !== 0) ? [[held.picked.primitive, ...held.by].join(",")] : [];
-  sight.show({ view: view(), moves, fine: fine(), request: (query) => models.picture(shown, query) }, moving);
+  sight.show({ model: shown.kept.id, view: view(), moves, fine: fine(), request: (query) => models.picture(shown, query) }, moving);
 }
 
 /** What the picture has more when it rests. @returns {Record<string, string>} */
@@ -108,7 +108,7 @@ async function read(name, blob, load, fits) {
     if (editor.input.hasAttribute("aria-invalid")) editor.mark(0);
     at("solid-note").textContent = models.told(kept);
     section.bounds = kept.kept.bounds;
-    if (fits) camera.fit(kept.kept.bounds);
+    if (fits) camera.fit(kept.kept.bounds, sight.size);
     held = undefined;
     remember();
     show(false);
@@ -250,7 +250,7 @@ listen(sight.canvas, () => sight.ratio, {
 // --- controls
 
 function fit() {
-  camera.fit(model?.kept.bounds ?? null);
+  camera.fit(model?.kept.bounds ?? null, sight.size);
   show(false);
 }
 
