@@ -27,7 +27,7 @@ const AROUND: f64 = 2.0;
 
 /// The scanlines on which the pictures of two bodies can differ, ascending, none next to another. Both have the same parts but for their surfaces; `needed` are those that are drawn.
 pub fn lines(old: &Body, new: &Body, views: [&View; 2], sections: &[Plane], needed: &[usize]) -> Vec<Range<u32>> {
-    let all = vec![0..views[1].height];
+    let all = std::iter::once(0..views[1].height).collect();
     if views[0] != views[1] || old.ranks.len() != new.ranks.len() {
         return all;
     }

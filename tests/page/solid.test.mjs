@@ -254,7 +254,7 @@ test("a primitive that is dragged moves in the picture and in the text", async (
   await page.waitForFunction((text) => document.querySelector("#csg").value !== text, text);
   const [, ...pushed] = wrap.exec(await page.inputValue("#csg")).map(Number);
   // 20 pixels to the right: the axis that is turned by 25 degrees.
-  assert.ok(Math.abs(pushed[1] / pushed[2] + Math.tan(radians(25))) < 0.05 && Math.abs(pushed[0]) < 1e-9, `${pushed}`);
+  assert.ok(Math.abs(pushed[1] / pushed[2] - Math.tan(radians(25))) < 0.05 && Math.abs(pushed[0]) < 1e-9, `${pushed}`);
   assert.deepEqual(wrong, []);
   await close();
 });

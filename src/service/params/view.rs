@@ -12,10 +12,11 @@ use crate::job::{self, Move};
 #[into_params(parameter_in = Query)]
 pub struct MoveParams {
     /// A primitive that is moved, ID,x,y,z: its number, counted from 1 in document order, and by how much in the model's coordinates. May be given several times; moves of one primitive add up
-    #[serde(rename = "move")]
+    #[serde(default, rename = "move")]
     #[param(max_items = 64)]
     pub moves: Vec<String>,
     /// Only the lines that can differ from the picture with these moves instead, or with none if it is empty: from the first that can to the last, and one where none can. May be given several times; not with lines
+    #[serde(default)]
     #[param(max_items = 64)]
     pub from: Vec<String>,
 }
