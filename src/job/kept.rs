@@ -11,6 +11,8 @@ use crate::mesh::check::all_placed;
 use crate::run::Rgb;
 use crate::scene::{self, Limits};
 use crate::solid::body::{Body, Edge, Face, Line, Plane};
+use crate::solid::camera::Setup;
+use crate::solid::view::View;
 
 /// A model with identity and its counting program, in no view yet.
 #[derive(Clone, Debug)]
@@ -65,6 +67,12 @@ impl Kept {
     /// Least and greatest x, y, z of a box that it stays within; none if it is empty.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.bounds
+    }
+
+    /// A view of it.
+    pub(super) fn view(&self, setup: &Setup) -> View {
+        let bounds = self.bounds.filter(|bounds| bounds.as_flattened().iter().all(|x| x.is_finite()));
+        setup.view(bounds.map(|[least, most]| (least.into(), most.into())))
     }
 
     /// About how many bytes it holds.

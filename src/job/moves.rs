@@ -56,7 +56,7 @@ impl Kept {
     /// Those of [`Job::solid`](super::Job::solid).
     pub fn changed(&self, from: &Kept, options: &SolidOptions) -> Result<Vec<Range<u32>>> {
         let header = options.header()?;
-        let views = [from, self].map(|kept| options.setup.view(kept.body.bounds));
+        let views = [from, self].map(|kept| kept.view(&options.setup));
         let needed: Vec<usize> = self.leaves.iter().map(|leaf| leaf.0).collect();
         let mut lines = change::lines(&from.body, &self.body, [&views[0], &views[1]], &options.sections, &needed);
         let Range { start, end } = header.lines;
