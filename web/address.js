@@ -1,7 +1,7 @@
-// What the page shows, in its address: a sample or a job, the expression, the size. It stands behind #, so it is not sent anywhere.
+// What the page shows, in its address: a sample, a model or a job, the expression, the size. It stands behind #, so it is not sent anywhere.
 
 /**
- * @typedef {{ sample: string, job: string, expr: string, size: import("./size.js").Size | undefined, format: string }} State
+ * @typedef {{ sample: string, model: string, job: string, expr: string, size: import("./size.js").Size | undefined, format: string }} State
  */
 
 const MODES = /** @type {const} */ (["width", "height", "dpi", "scale"]);
@@ -17,13 +17,14 @@ export function read() {
     const mode = MODES.find((mode) => Number(given.get(mode)) > 0);
     if (mode) size = { mode, first: Number(given.get(mode)), second: 0 };
   }
-  return { sample: given.get("sample") ?? "", job: given.get("job") ?? "", expr: given.get("expr") ?? "", size, format: given.get("format") ?? "" };
+  return { sample: given.get("sample") ?? "", model: given.get("model") ?? "", job: given.get("job") ?? "", expr: given.get("expr") ?? "", size, format: given.get("format") ?? "" };
 }
 
 /** @param {Partial<State>} state @returns {string} the address */
-export function written({ sample, job, expr, size, format }) {
+export function written({ sample, model, job, expr, size, format }) {
   const given = new URLSearchParams();
   if (job) given.set("job", job);
+  if (model) given.set("model", model);
   if (sample) given.set("sample", sample);
   if (expr) given.set("expr", expr);
   if (size?.mode === "box") {

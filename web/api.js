@@ -62,3 +62,16 @@ export async function call(path, { method = "GET", query, headers, body, signal 
     await response.json().catch(() => ({ status: response.status, detail: `the service answered ${response.status} ${response.statusText}` })),
   );
 }
+
+/** @type {Promise<any> | undefined} */
+let described;
+
+/** What the service says of its calls (OpenAPI), asked for once. */
+export const description = () =>
+  (described ??= call("openapi.json").then(
+    (answer) => answer.json(),
+    (error) => {
+      described = undefined;
+      throw error;
+    },
+  ));

@@ -21,10 +21,10 @@ export const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement
 export const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (at(id));
 
 /**
- * `job`, `model`: what is shown instead of a drawing; `followed`: the id whose counter is followed along the scanline.
- * @type {{ drawing: Drawing | undefined, job: import("./jobs.js").Job | undefined, model: import("./model.js").Model | undefined, followed: string }}
+ * `job`: what is shown instead of a drawing; `followed`: the id whose counter is followed along the scanline.
+ * @type {{ drawing: Drawing | undefined, job: import("./jobs.js").Job | undefined, followed: string }}
  */
-export const desk = { drawing: undefined, job: undefined, model: undefined, followed: "" };
+export const desk = { drawing: undefined, job: undefined, followed: "" };
 
 /** @returns {import("./size.js").Size} */
 export const size = () => ({

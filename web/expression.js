@@ -1,6 +1,7 @@
 // The expression: what is typed, where it is wrong, and names that complete it.
 
 import { at, make, problem } from "./dom.js";
+import { offset } from "./places.js";
 
 /** Names that are offered at once. */
 const MOST_OFFERED = 6;
@@ -86,11 +87,10 @@ export class Expression extends EventTarget {
     // The service was given the text without the space around it.
     const text = this.input.value;
     const lead = text.length - text.trimStart().length;
-    const lines = text.slice(lead).split("\n");
-    const offset = lead + lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0) + [...(lines[line - 1] ?? "")].slice(0, column - 1).join("").length;
-    const rest = text.slice(offset);
+    const start = lead + offset(text.slice(lead), line, column);
+    const rest = text.slice(start);
     const token = /^(?:"[^"]*"?|[\w.:]+|[^\s])/u.exec(rest)?.[0] ?? "";
-    this.mirror.replaceChildren(text.slice(0, offset), make("mark", {}, token || " "), rest.slice(token.length));
+    this.mirror.replaceChildren(text.slice(0, start), make("mark", {}, token || " "), rest.slice(token.length));
     this.mirror.scrollTop = this.input.scrollTop;
   }
 

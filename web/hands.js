@@ -23,8 +23,6 @@ export function listen(stage) {
       const other = [...down].find(([id]) => id !== event.pointerId)?.[1] ?? to;
       const apart = (/** @type {{ x: number, y: number }} */ p) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
       stage.zoomBy(apart(to) / apart(from), (to.x + other.x) / 2, (to.y + other.y) / 2);
-    } else if (stage.content?.turn && stage.fits) {
-      stage.content.turn((to.x - from.x) / stage.ratio, (to.y - from.y) / stage.ratio);
     } else if (event.pointerType !== "touch" || !stage.fits) {
       stage.pan(to.x - from.x, to.y - from.y);
     } else {
@@ -46,8 +44,7 @@ export function listen(stage) {
   canvas.addEventListener("keydown", (event) => {
     const step = event.shiftKey ? 10 : 1;
     const { x, y } = stage.probe;
-    const turn = stage.content?.turn;
-    const move = (/** @type {number} */ dx, /** @type {number} */ dy) => (turn ? turn(4 * dx, 4 * dy) : stage.look(x + dx, y + dy, true));
+    const move = (/** @type {number} */ dx, /** @type {number} */ dy) => stage.look(x + dx, y + dy, true);
     const keys = {
       ArrowUp: () => move(0, -step),
       ArrowDown: () => move(0, step),

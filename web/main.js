@@ -5,10 +5,12 @@ import { access, address, call, setToken, token, withToken } from "./api.js";
 import * as state from "./address.js";
 import { desk, drawn, expression, input, jobs, scanline, select, size, stage } from "./desk.js";
 import { named } from "./expression.js";
-import * as models from "./model.js";
+import { isModel } from "./model.js";
 import { list } from "./names.js";
 import { SAMPLES } from "./samples.js";
+import * as solid from "./solid.js";
 import { fault } from "./size.js";
+import { show as showTab, tab, tabs } from "./tabs.js";
 import { formats, remember } from "./take.js";
 import { explain } from "./told.js";
 
@@ -31,42 +33,26 @@ async function loadSample(name, wanted) {
 
 /** @param {File} file */
 async function loadFile(file) {
-  loads++;
-  if (models.isModel(file.name)) return openModel(file);
-  await open({ name: file.name, file: file.name, sample: "", blob: file }, {});
-}
-
-/** @param {File} file */
-async function openModel(file) {
-  const load = loads;
-  problem("drawing-problem");
-  at("drawing-note").textContent = `${file.name}, ${bytes(file.size)}: reading\u2026`;
-  try {
-    const model = await models.keep(file.name, file);
-    if (load !== loads) return;
-    clear();
-    desk.model = model;
-    models.wear(true);
-    at("drawing-note").textContent = models.told(model);
-    at("empty").hidden = true;
-    remember();
-    models.show();
-  } catch (error) {
-    refused(file.name, /** @type {import("./api.js").Problem} */ (error));
+  if (isModel(file.name)) {
+    const opened = solid.open(file.name, file);
+    showTab("solid");
+    return opened;
   }
+  loads++;
+  showTab("plane");
+  await open({ name: file.name, file: file.name, sample: "", blob: file }, {});
 }
 
 /** Says why what was to be opened is not. @param {string} name @param {import("./api.js").Problem} error */
 function refused(name, { message, line, column, status }) {
-  const shown = desk.model ?? desk.drawing;
+  const shown = desk.drawing;
   at("drawing-note").textContent = shown ? `Still showing ${shown.name}.` : "";
   if (status !== 401) problem("drawing-problem", `${name}${line ? `:${line}:${column}` : ""}: ${message}`);
 }
 
 /** Takes away all that belongs to what was shown. */
 function clear() {
-  desk.job = desk.drawing = desk.model = undefined;
-  models.wear(false);
+  desk.job = desk.drawing = undefined;
   select("sample").value = "";
   problem("drawing-problem");
   list([], { light: () => {}, dark: () => {}, insert: () => {}, follow: () => {} });
@@ -91,8 +77,7 @@ async function open(found, { expr = "", size }) {
     return refused(found.name, /** @type {import("./api.js").Problem} */ (error));
   }
   if (load !== loads) return;
-  desk.job = desk.model = undefined;
-  models.wear(false);
+  desk.job = undefined;
   desk.drawing = { ...found, media, info, warnings: info.warnings };
   const warnings = info.warnings.length ? ` ${info.warnings.length === 1 ? "A warning" : `${info.warnings.length} warnings`}: ${info.warnings.slice(0, 3).join("; ")}` : "";
   at("drawing-note").textContent = `${found.name}, ${bytes(found.blob.size)}, ${number(info.width)} × ${number(info.height)} user units.${warnings}`;
@@ -293,6 +278,11 @@ async function start() {
   at("token-open").hidden = !token();
   const wanted = state.read();
   void jobs.refresh();
+  if (wanted.model) {
+    if (wanted.model !== "own") void solid.openSample(wanted.model);
+    return showTab("solid");
+  }
+  showTab("plane");
   if (wanted.job) {
     try {
       showJob(await jobs.find(wanted.job));
@@ -304,6 +294,11 @@ async function start() {
   await loadSample(wanted.sample, wanted);
 }
 
+tabs.addEventListener("show", () => {
+  if (tab() !== "plane") return;
+  if (loads === 0) void loadSample(state.read().sample);
+  else remember();
+});
 addEventListener("hashchange", () => void start());
 await formats();
 await start();

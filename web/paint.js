@@ -42,7 +42,7 @@ export function paint(stage) {
     c.fillStyle = "#e4472f";
     c.fillRect(left, y, width, Math.max(1, Math.round(stage.ratio)));
   }
-  if (!content.turn) paintProbe(stage, left, width, X, Y);
+  paintProbe(stage, left, width, X, Y);
 }
 
 /**

@@ -1,4 +1,4 @@
-// The sample drawings, and what is worth typing about them.
+// The samples: drawings with what is worth typing about them, and models.
 
 export const SAMPLES = [
   {
@@ -19,4 +19,10 @@ export const SAMPLES = [
     size: /** @type {const} */ ({ mode: "scale", first: 4, second: 0 }),
     tries: ["balloon & (gores ^ band)", "balloon - band", "odd(sky, sun, far, near, balloon)"],
   },
+];
+
+export const MODELS = [
+  { name: "bracket.csg", title: "Bracket with holes" },
+  { name: "cubes.csg", title: "Cubes that share faces" },
+  { name: "sponge.csg", title: "Sponge of two levels" },
 ];

@@ -19,9 +19,8 @@ import { paint } from "./paint.js";
  *   drawing: import("./size.js").Page,
  *   request: (query: Record<string, string | number>) => import("./worker.js").Request,
  *   light?: (id: string, query: Record<string, string | number>) => import("./worker.js").Request,
- *   turn?: (dx: number, dy: number) => void,
  *   whole?: boolean,
- * }} Content `turn`: what is shown is turned by dragging it so many CSS pixels, and has no scanlines to look at; `whole`: it comes in one stream, from which the view picks
+ * }} Content `whole`: it comes in one stream, from which the view picks
  *
  * @typedef {{ y: number, n: number, how: string }[]} Kinds
  */

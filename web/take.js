@@ -1,14 +1,16 @@
 // What is taken away: the raster as a file or a job, commands that make the same, and an address that shows the same.
 
 import { at, bytes, make, problem, say } from "./dom.js";
-import { address, askForToken, call, token, withToken } from "./api.js";
+import { address, askForToken, description, token, withToken } from "./api.js";
 import * as commands from "./commands.js";
 import * as state from "./address.js";
 import { desk, drawn, expression, jobs, select, size } from "./desk.js";
 import { save } from "./save.js";
+import { tab } from "./tabs.js";
 
 /** Puts what is shown into the address and the commands. */
 export function remember() {
+  if (tab() !== "plane") return;
   const { drawing, job } = desk;
   const format = select("format").value;
   const about = { sample: drawing?.sample, job: job?.id, expr: drawing ? expression.text : "", size: drawing && size(), format: format === "png" ? "" : format };
@@ -90,14 +92,11 @@ at("keep").addEventListener("click", async () => {
   }
 });
 
-/** Lists the formats and the colour schemes that the service has. */
+/** Lists the formats that the service has. */
 export async function formats() {
-  const api = await (await call("openapi.json")).json();
-  /** The values that a parameter of a call may have. @type {(path: string, wanted: string) => string[]} */
-  const values = (path, wanted) => api.paths[path].post.parameters.find((/** @type {{ name: string }} */ { name }) => name === wanted).schema.enum;
-  const options = (/** @type {string[]} */ names) => names.map((name) => make("option", { value: name }, name));
-  const found = values("/v1/fill", "format");
-  select("format").replaceChildren(...options(found));
-  select("camera-scheme").replaceChildren(...options(values("/v1/solid", "colorscheme")));
+  const { parameters } = (await description()).paths["/v1/fill"].post;
+  /** @type {string[]} */
+  const found = parameters.find((/** @type {{ name: string }} */ { name }) => name === "format").schema.enum;
+  select("format").replaceChildren(...found.map((name) => make("option", { value: name }, name)));
   select("format").value = found.includes(state.read().format) ? state.read().format : "png";
 }

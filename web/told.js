@@ -35,7 +35,7 @@ stage.addEventListener("header", (event) => {
   const { from, to, warnings } = /** @type {CustomEvent} */ (event).detail;
   lines = to - from;
   // What the document itself is warned of stands beside it already.
-  const fresh = (desk.drawing?.warnings ?? desk.model?.kept.warnings ?? []).reduce((text, known) => text.replace(known, ""), warnings).replace(/^[,\s]+/, "");
+  const fresh = (desk.drawing?.warnings ?? []).reduce((text, known) => text.replace(known, ""), warnings).replace(/^[,\s]+/, "");
   if (fresh && !desk.job) problem("stream-problem", fresh);
 });
 stage.addEventListener("first", (event) => {

@@ -1,5 +1,7 @@
 //! A model that was read and identified, to be seen from anywhere: [`Job::solid`](super::Job::solid) makes a view of it and reads nothing again.
 
+use std::sync::Arc;
+
 use super::extents::Extents;
 use super::model::bounds;
 use crate::count::{Node, Program, Rule};
@@ -9,10 +11,14 @@ use crate::mesh::check::all_placed;
 use crate::run::Rgb;
 use crate::scene::{self, Limits};
 use crate::solid::body::{Body, Edge, Face, Line, Plane};
+use crate::solid::camera::Setup;
+use crate::solid::view::View;
 
 /// A model with identity and its counting program, in no view yet.
 #[derive(Clone, Debug)]
 pub struct Kept {
+    /// As it was read, for when its parts are moved.
+    pub(super) model: Arc<Model>,
     pub(super) body: Body,
     pub(super) program: Program,
     /// The counters of the parts that are needed.
@@ -40,6 +46,7 @@ impl Kept {
             warnings.push(Warning::input("the model is empty"));
         }
         Ok(Kept {
+            model: Arc::new(model.clone()),
             body,
             program,
             leaves,
@@ -65,16 +72,25 @@ impl Kept {
         self.bounds
     }
 
+    /// A view of it.
+    pub(super) fn view(&self, setup: &Setup) -> View {
+        let bounds = self.bounds.filter(|bounds| bounds.as_flattened().iter().all(|x| x.is_finite()));
+        setup.view(bounds.map(|[least, most]| (least.into(), most.into())))
+    }
+
     /// About how many bytes it holds.
     pub fn weight(&self) -> u64 {
-        /// Of a part: counters with their links, colour, rank.
-        const PART: usize = 64;
+        /// Of a part: counters with their links, colour, rank, matrix and place.
+        const PART: usize = 256;
+        /// Of a face of a mesh: its list of rings, a ring, and some corners.
+        const FACE: usize = 96;
         let Body { points, lines, planes, edges, faces, .. } = &self.body;
         let geometry = size_of_val(&points[..])
             + lines.len() * size_of::<Line>()
             + planes.len() * size_of::<Plane>()
             + edges.len() * size_of::<Edge>()
             + faces.len() * size_of::<Face>();
-        (geometry + self.colours.len() * PART) as u64
+        let meshes: usize = self.model.parts.iter().map(|part| size_of_val(&part.mesh.points[..]) + part.mesh.faces.len() * FACE).sum();
+        (geometry + meshes + self.colours.len() * PART) as u64
     }
 }

@@ -80,8 +80,7 @@ impl Job {
     pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
         let header = options.header()?;
         let Kept { body, program, leaves, colours, pairs, .. } = model;
-        let bounds = model.bounds().filter(|bounds| bounds.as_flattened().iter().all(|x| x.is_finite()));
-        let view = options.setup.view(bounds.map(|[least, most]| (least.into(), most.into())));
+        let view = model.view(&options.setup);
         let stage = Stage::new(body, program.clone(), leaves, view, &options.sections, Savings::default());
         // A scanline compares the faces at an edge with each other, so at worst all with all.
         let most = stage.edges.peak();

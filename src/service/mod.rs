@@ -8,7 +8,7 @@
 //!   cache       made once, shared, some kept
 //!   answer      a document in, its raster out      raster       a suspended sweep as a body
 //!   fill        POST /v1/fill                      solid        POST /v1/solid
-//!   models      kept, and seen from anywhere
+//!   models      kept to be seen from anywhere      views        what is seen of them
 //!   jobs        stored, resumable at any byte
 //!   inspect     names of a drawing, how its lines come about
 //!   page        what a browser shows at /
@@ -41,6 +41,7 @@ mod raster;
 mod rest;
 mod server;
 mod solid;
+mod views;
 
 pub use config::Config;
 pub use server::run;
@@ -63,6 +64,7 @@ use self::intake::Uploads;
 use self::jobs::Jobs;
 use self::models::Models;
 use self::problem::Problem;
+use self::views::Moved;
 
 /// A service: what its handlers share. A clone is cheap.
 #[derive(Clone)]
@@ -71,6 +73,7 @@ pub struct Service {
     connections: Arc<Connections>,
     drawings: Arc<Drawings>,
     models: Arc<Models>,
+    moved: Arc<Moved>,
     uploads: Uploads,
     jobs: Arc<Jobs>,
     /// Places for rasters that are being read.
@@ -95,6 +98,7 @@ impl Service {
             connections: Arc::default(),
             drawings: Arc::new(Drawings::new(config.clone())),
             models: Arc::default(),
+            moved: Arc::default(),
             uploads: Uploads::new(config.max_uploads),
             jobs: Arc::new(Jobs::open(&config)?),
             streams: Arc::new(Semaphore::new(config.max_streams)),
@@ -122,7 +126,8 @@ pub fn app(service: &Service) -> Router {
         .routes(routes!(solid::solid))
         .routes(routes!(models::list, models::put))
         .routes(routes!(models::show, models::delete))
-        .routes(routes!(models::view, models::view_head))
+        .routes(routes!(views::view, views::view_head))
+        .routes(routes!(views::pick))
         .routes(routes!(inspect::info))
         .routes(routes!(inspect::explain))
         .routes(routes!(jobs::list, jobs::create))

@@ -13,32 +13,33 @@ use std::sync::Arc;
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{FromRequestParts, Path, RawQuery, State};
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, ETAG, LOCATION, VARY};
+use axum::http::header::LOCATION;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::answer::{self, Asker};
+use super::answer;
 use super::ask;
 use super::cache::{Cache, Key, Weigh};
-use super::drawings::bounded;
-use super::params::{Kind, Params, SolidParams, content_type};
+use super::params::Kind;
 use super::problem::{Details, Problem};
 use super::{Service, meters};
-use crate::encode::Format;
 use crate::error::{self, Error, Warning};
-use crate::job::{Job, Kept, SolidOptions};
+use crate::job::Kept;
 
 /// The models of a service.
 pub type Models = Cache<Model>;
 
 /// A model that is kept.
 pub struct Model {
-    key: Key,
-    kept: Arc<Kept>,
-    warnings: Vec<Warning>,
+    /// The SHA-256 of its document.
+    pub key: Key,
+    /// The model.
+    pub kept: Arc<Kept>,
+    /// What is left out, or was put right.
+    pub warnings: Vec<Warning>,
 }
 
 impl Weigh for Model {
@@ -108,12 +109,17 @@ fn no_model() -> Problem {
 }
 
 impl Service {
-    fn model(&self, Id(key): &Id) -> Result<Arc<Model>, Problem> {
+    /// The model of that id.
+    ///
+    /// # Errors
+    /// None is kept.
+    pub fn model(&self, Id(key): &Id) -> Result<Arc<Model>, Problem> {
         self.models.find(key).ok_or_else(no_model)
     }
 
-    fn tell_models(&self) {
-        meters::level("runset_models_bytes", self.models.weight() as usize);
+    /// Tells the meters how much is kept.
+    pub fn tell_models(&self) {
+        meters::level("runset_models_bytes", (self.models.weight() + self.moved.weight()) as usize);
     }
 }
 
@@ -216,101 +222,4 @@ pub async fn delete(State(service): State<Service>, Id(key): Id) -> Result<Statu
     let removed = service.models.remove(&key);
     service.tell_models();
     if removed { Ok(StatusCode::NO_CONTENT) } else { Err(no_model()) }
-}
-
-/// A view of a model that is kept
-///
-/// Nothing is read again: it is the picture that `POST /v1/solid` makes of the same document and query. The tag is strong and stands for model, query, format and version.
-#[utoipa::path(
-    get,
-    path = "/v1/models/{id}/view",
-    operation_id = "view_model",
-    tag = "solid",
-    params(
-        ("id" = String, Path, description = "The model's id"),
-        ("If-None-Match" = Option<String>, Header, description = "Nothing if this is the picture's tag"),
-        SolidParams,
-    ),
-    responses(
-        (status = 200, description = "The picture"),
-        (status = 304, description = "It has not changed"),
-        (status = 400, description = "The query is malformed", body = Details, content_type = "application/problem+json"),
-        (status = 404, description = "None of this id is kept", body = Details, content_type = "application/problem+json"),
-        (status = 406, description = "No such media type", body = Details, content_type = "application/problem+json"),
-        (status = 422, description = "Understood, and refused: limits", body = Details, content_type = "application/problem+json"),
-        (status = 503, description = "Busy: try again later", body = Details, content_type = "application/problem+json"),
-    )
-)]
-pub async fn view(
-    State(service): State<Service>,
-    id: Id,
-    asker: Asker,
-    RawQuery(query): RawQuery,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    let picture = match picture(&service, &id, query.as_deref(), &headers)? {
-        Ok(picture) => picture,
-        Err(unchanged) => return Ok(unchanged),
-    };
-    let place = service.place()?;
-    let Picture { model, options, key, format, tag } = picture;
-    let make = move |_: &_| Ok((Job::solid(&model.kept, &SolidOptions { started: asker.started, ..options })?, model.warnings.clone()));
-    let shared = service.drawings.get(key, Box::new(make)).await?;
-    let mut response = answer::stream(service, asker, Kind::Solid, shared, format, place);
-    response.headers_mut().insert(ETAG, tag);
-    response.headers_mut().insert(VARY, HeaderValue::from_static("accept"));
-    Ok(response)
-}
-
-/// What is known of a view of a model, without it
-#[utoipa::path(
-    head,
-    path = "/v1/models/{id}/view",
-    operation_id = "head_of_view",
-    tag = "solid",
-    params(("id" = String, Path, description = "The model's id"), SolidParams),
-    responses((status = 200, description = "Its type, tag, and length if the format fixes it"), (status = 404, description = "None of this id is kept"))
-)]
-pub async fn view_head(State(service): State<Service>, id: Id, RawQuery(query): RawQuery, headers: HeaderMap) -> Result<Response, Problem> {
-    let picture = match picture(&service, &id, query.as_deref(), &headers)? {
-        Ok(picture) => picture,
-        Err(unchanged) => return Ok(unchanged),
-    };
-    let mut response = answer::no_body().into_response();
-    let fields = response.headers_mut();
-    fields.insert(CONTENT_TYPE, content_type(picture.format));
-    fields.insert(ETAG, picture.tag);
-    fields.insert(VARY, HeaderValue::from_static("accept"));
-    if let Some(length) = (picture.format.encoder)(&picture.options.header()?).length() {
-        fields.insert(CONTENT_LENGTH, HeaderValue::from(length));
-    }
-    Ok(response)
-}
-
-/// A view that is asked for.
-struct Picture {
-    model: Arc<Model>,
-    options: SolidOptions,
-    /// That of the drawing: the same as of the document with that query.
-    key: Key,
-    format: &'static Format,
-    tag: HeaderValue,
-}
-
-/// What is asked for, or that nothing has changed.
-fn picture(service: &Service, id: &Id, query: Option<&str>, headers: &HeaderMap) -> Result<Result<Picture, Response>, Problem> {
-    let model = service.model(id)?;
-    let asked = SolidParams::read(query.unwrap_or_default())?;
-    let options = asked.options()?;
-    let params = Params::Solid(asked);
-    let (format, key) = (params.format(headers)?, params.key(&model.key));
-    bounded(&service.config, &options.header()?)?;
-    let tag = answer::tag(&key, &service.config.fonts, format);
-    let known = answer::is_known(&tag, headers)?;
-    let tag = HeaderValue::from_str(&tag).map_err(Problem::internal)?;
-    Ok(if known {
-        Err((StatusCode::NOT_MODIFIED, [(ETAG, tag)]).into_response())
-    } else {
-        Ok(Picture { model, options, key, format, tag })
-    })
 }

@@ -1,4 +1,4 @@
-//! The page: what a browser shows at `/`, and the sample drawings, all of it in the program.
+//! The page: what a browser shows at `/`, and the samples, all of it in the program.
 //!
 //! Everything has a tag of its content and is asked for again each time, so that a new program brings a new page at once. Nothing from elsewhere is allowed in: the
 //! policy names this origin alone, and neither scripts nor styles within the document.
@@ -29,6 +29,12 @@ struct Web;
 #[include = "*.json"]
 struct Samples;
 
+/// The sample models.
+#[derive(RustEmbed)]
+#[folder = "examples/models/"]
+#[include = "*.csg"]
+struct Models;
+
 const POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -39,7 +45,9 @@ pub fn routes() -> axum::Router<Service> {
         .route("/web/{*name}", get(|Path(name): Path<String>, headers: HeaderMap| async move { answer(&name, Web::get(&name), &headers) }))
         .route(
             "/samples/{name}",
-            get(|Path(name): Path<String>, headers: HeaderMap| async move { answer(&name, Samples::get(&name), &headers) }),
+            get(|Path(name): Path<String>, headers: HeaderMap| async move {
+                answer(&name, Samples::get(&name).or_else(|| Models::get(&name)), &headers)
+            }),
         )
 }
 
@@ -72,6 +80,7 @@ fn media_type(name: &str) -> &'static str {
         Some("css") => "text/css; charset=utf-8",
         Some("js") => "text/javascript; charset=utf-8",
         Some("json") => "application/json",
+        Some("csg") => "text/plain; charset=utf-8",
         Some("svg") => "image/svg+xml",
         _ => "application/octet-stream",
     }

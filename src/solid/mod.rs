@@ -5,6 +5,7 @@ pub mod body;
 mod boxes;
 pub mod camera;
 mod cells;
+pub mod change;
 pub mod cut;
 mod same;
 pub mod savings;

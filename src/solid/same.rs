@@ -32,7 +32,11 @@ impl Space {
     /// The space between the least and the greatest coordinates, where so many pairs may be compared.
     pub(super) fn new(least: DVec3, most: DVec3, pairs: u64) -> Space {
         let size = (most - least).length().max(f64::MIN_POSITIVE);
-        Space { middle: (least + most) / 2.0, size, same: SAME * size, pairs: pairs.into() }
+        // On a coarse grid: where a part of the model moves a little, what is recorded of the others from here stays as it is, to the bit.
+        let step = (size.log2().floor() - 3.0).exp2();
+        let middle = (least + most) / 2.0;
+        let coarse = (middle / step).round() * step;
+        Space { middle: if coarse.is_finite() { coarse } else { middle }, size, same: SAME * size, pairs: pairs.into() }
     }
 
     /// Whether another pair may be compared.

@@ -73,9 +73,7 @@ impl Stage {
     pub fn new(body: &Body, program: Program, leaves: &[(usize, Node)], view: View, sections: &[Plane], savings: Savings) -> Stage {
         let mut leaf_of = vec![NOTHING; body.ranks.len()];
         leaves.iter().for_each(|&(part, leaf)| leaf_of[part] = leaf);
-        let mut body = Cow::Borrowed(body);
-        sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
-        let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
+        let Shown { body, depths, farthest } = Shown::new(body, &view, sections);
 
         let screen: Vec<[f64; 3]> = body.points.iter().map(|p| view.place(*p)).collect();
         let rows: Vec<u32> = screen.iter().map(|p| row(p[1], view.height)).collect();
@@ -83,11 +81,7 @@ impl Stage {
 
         let mut edges = Edges::default();
         let mut pieces = Vec::new();
-        let mut inside: Vec<u32> = vec![NOTHING; body.planes.len()];
         for edge in &body.edges {
-            for face in [edge.left, edge.right].into_iter().filter(|face| *face != NOTHING) {
-                inside[body.faces[face as usize].plane as usize] = edge.from;
-            }
             let Clip { columns, rows: alive } = &clips[body.faces[edge.left as usize].part as usize];
             let [from, to] = [edge.from, edge.to].map(|p| rows[p as usize].clamp(alive.start, alive.end));
             if from == to || columns.is_empty() {
@@ -102,8 +96,6 @@ impl Stage {
             }
             pieces.clear();
         }
-        let depth = |(plane, p): (&Plane, &u32)| view.depth(plane, body.points.get(*p as usize).copied().unwrap_or(DVec3::ZERO), farthest);
-        let depths = body.planes.iter().zip(&inside).map(depth).collect();
         let faces = body.faces.iter().map(|face| {
             let part = face.part as usize;
             Face { plane: face.plane, leaf: leaf_of[part], origin: face.origin, rank: body.ranks[part] }
@@ -118,6 +110,33 @@ impl Stage {
             Projection::Perspective { .. } => normal.dot(self.view.eye) > offset,
             Projection::Orthographic { .. } => normal.dot(self.view.axes[2]) < 0.0,
         }
+    }
+}
+
+/// A body as a view shows it: cut, with the depths of its planes.
+pub(super) struct Shown<'b> {
+    /// What is left of it.
+    pub(super) body: Cow<'b, Body>,
+    /// Depths of its planes.
+    pub(super) depths: Vec<Depth>,
+    /// Greatest distance along the view.
+    pub(super) farthest: f64,
+}
+
+impl Shown<'_> {
+    pub(super) fn new<'b>(body: &'b Body, view: &View, sections: &[Plane]) -> Shown<'b> {
+        let mut body = Cow::Borrowed(body);
+        sections.iter().copied().chain(view.near()).for_each(|plane| cut(&mut body, plane));
+        let farthest = body.points.iter().fold(0.0_f64, |most, p| most.max(view.camera(*p).z.abs()));
+        let mut inside: Vec<u32> = vec![NOTHING; body.planes.len()];
+        for edge in &body.edges {
+            for face in [edge.left, edge.right].into_iter().filter(|face| *face != NOTHING) {
+                inside[body.faces[face as usize].plane as usize] = edge.from;
+            }
+        }
+        let depth = |(plane, p): (&Plane, &u32)| view.depth(plane, body.points.get(*p as usize).copied().unwrap_or(DVec3::ZERO), farthest);
+        let depths = body.planes.iter().zip(&inside).map(depth).collect();
+        Shown { body, depths, farthest }
     }
 }
 

@@ -132,6 +132,17 @@ impl View {
         [f64::from(i) + SAMPLE[0] - f64::from(self.width) / 2.0, f64::from(j) + SAMPLE[1] - f64::from(self.height) / 2.0]
     }
 
+    /// The point at which pixel (i, j) is looked at, so far along the view.
+    pub fn point(&self, i: u32, j: u32, z: f64) -> DVec3 {
+        let scale = match self.projection {
+            Projection::Perspective { focal, .. } => z / focal,
+            Projection::Orthographic { scale } => 1.0 / scale,
+        };
+        let [x, y] = self.sample(i, j);
+        let [right, down, forward] = self.axes;
+        self.eye + right * (x * scale) + down * (y * scale) + forward * z
+    }
+
     /// Where a line in space passes the points at which the pixels of scanline 0 are looked at, in pixels right of that of pixel 0, and how much further right it
     /// passes those of the next. Neither is finite where it is level on the screen.
     pub fn passes(&self, line: &Line) -> (f64, f64) {

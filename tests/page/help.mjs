@@ -61,11 +61,19 @@ export async function tab(browser, address, { width = 1280, height = 860, scheme
   return { page, wrong, close: () => context.close() };
 }
 
+/** Drops a file on the page. */
+export const drop = (page, name, text) =>
+  page.evaluate(([name, text]) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], name));
+    for (const name of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(new DragEvent(name, { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, [name, text]);
+
 /** Waits until a raster has been drawn to its end since `act`. */
-export async function drawn(page, act) {
-  const before = Number((await page.getAttribute("#canvas", "data-done")) ?? 0);
+export async function drawn(page, act, which = "#canvas") {
+  const before = Number((await page.getAttribute(which, "data-done")) ?? 0);
   await act();
-  await page.waitForFunction((before) => Number(document.querySelector("#canvas").dataset.done ?? 0) > before, before, { timeout: 60_000 });
+  await page.waitForFunction(([which, before]) => Number(document.querySelector(which).dataset.done ?? 0) > before, [which, before], { timeout: 60_000 });
   await page.waitForTimeout(150);
 }
 
@@ -88,15 +96,15 @@ color([1, 0, 0.5]) multmatrix([[0.8, -0.6, 0, -4], [0.6, 0.8, 0, -2], [0, 0, 1, 
   return path;
 }
 
-/** The canvas as RGBA. */
-export async function canvas(page) {
-  const { width, height, text } = await page.evaluate(() => {
-    const canvas = document.querySelector("#canvas");
+/** A canvas as RGBA. */
+export async function canvas(page, which = "#canvas") {
+  const { width, height, text } = await page.evaluate((which) => {
+    const canvas = document.querySelector(which);
     const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
     let text = "";
     for (let i = 0; i < data.length; i += 32768) text += String.fromCharCode(...data.subarray(i, i + 32768));
     return { width, height, text: btoa(text) };
-  });
+  }, which);
   return { width, height, rgba: Buffer.from(text, "base64") };
 }
 

@@ -337,78 +337,6 @@ test("a job of a model is shown in its colours", async () => {
   await close();
 });
 
-/** Drops a file on the page. */
-const drop = (page, name, text) =>
-  page.evaluate(([name, text]) => {
-    const data = new DataTransfer();
-    data.items.add(new File([text], name));
-    for (const name of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(new DragEvent(name, { dataTransfer: data, bubbles: true, cancelable: true }));
-  }, [name, text]);
-
-test("a model is dropped, turned, and shown to the pixel", async () => {
-  const { page, wrong, close } = await tab(browser, service.address, { allow: [/404|400/] });
-  await page.waitForFunction(() => document.querySelector("#canvas").dataset.done);
-  const text = readFileSync(model(), "utf8");
-  await drawn(page, () => drop(page, "block.csg", text));
-  assert.match(await page.textContent("#drawing-note"), /^block\.csg, .* 3 parts, /);
-  assert.ok(await page.isHidden("#expression") && await page.isVisible("#camera-turn"));
-  // The distance from where all is seen, by hand: half the diagonal of the box over the sine of half the field of view.
-  const [{ bounds: [least, most], id }] = (await (await fetch(`${service.address}/v1/models`)).json()).models;
-  const middle = least.map((x, i) => (x + most[i]) / 2);
-  const far = Math.hypot(...least.map((x, i) => most[i] - x)) / 2 / Math.sin((11.25 * Math.PI) / 180);
-  const shownAs = async (tilt, turn, far, ...more) => {
-    const [width, height] = (await page.textContent("#level")).match(/\d+/g).map(Number);
-    const expected = picture("solid", model(), "--imgsize", `${width},${height}`, `--camera=${[...middle, tilt, 0, turn, far].join(",")}`, ...more);
-    const shown = await canvas(page);
-    const [left, top] = [Math.floor((shown.width - width) / 2), Math.floor((shown.height - height) / 2)];
-    const probe = top + Math.round(0.4 * height);
-    const { compared, different } = compare(shown, expected, left, top, (_, y) => Math.abs(y - probe) < 12);
-    assert.ok(compared > 0.9 * width * height);
-    assert.equal(different, 0, "pixels that differ");
-    assert.ok(new Set(expected.rgb).size > 6, "there is something to compare");
-  };
-  await shownAs(55, 25, far);
-  // By keys; then by the pointer, until it rests.
-  await page.focus("#camera-turn");
-  await drawn(page, () => page.keyboard.press("ArrowRight"));
-  await page.selectOption("#camera-projection", "o");
-  await drawn(page, () => page.selectOption("#camera-scheme", "Starnight"));
-  await shownAs(55, 25.5, far, "--projection", "o", "--colorscheme", "Starnight");
-  const box = await page.locator("#camera-far").boundingBox();
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-  await page.mouse.down();
-  for (let i = 1; i < 20; i++) await page.mouse.move(box.x + box.width / 2 + 2 * i, box.y + box.height / 2);
-  await drawn(page, () => page.mouse.up().then(() => page.mouse.move(box.x, box.y - 60)).then(() => page.focus("#camera-tilt")).then(() => page.keyboard.press("ArrowLeft")));
-  const nearer = 2 ** Number(await page.inputValue("#camera-far"));
-  assert.ok(nearer > 1.5, `${nearer}`);
-  await shownAs(54.5, 25.5, far * nearer, "--projection", "o", "--colorscheme", "Starnight");
-  // Dragged on the canvas, and by its keys: half a degree for a pixel.
-  const [tilt, turn] = [await page.inputValue("#camera-tilt"), await page.inputValue("#camera-turn")].map(Number);
-  const on = await page.locator("#canvas").boundingBox();
-  await page.mouse.move(on.x + 300, on.y + 200);
-  await page.mouse.down();
-  await page.mouse.move(on.x + 340, on.y + 190);
-  await page.mouse.up();
-  await page.focus("#canvas");
-  await drawn(page, () => page.keyboard.press("ArrowUp"));
-  assert.deepEqual([await page.inputValue("#camera-tilt"), await page.inputValue("#camera-turn")].map(Number), [tilt + 5 + 2, turn - 20]);
-  await page.waitForTimeout(400);
-  await shownAs(tilt + 7, turn - 20, far * nearer, "--projection", "o", "--colorscheme", "Starnight");
-  // A service that has let go of it is sent it again.
-  await fetch(`${service.address}/v1/models/${id}`, { method: "DELETE" });
-  await page.focus("#camera-tilt");
-  await drawn(page, () => page.keyboard.press("ArrowLeft"));
-  await shownAs(tilt + 6.5, turn - 20, far * nearer, "--projection", "o", "--colorscheme", "Starnight");
-  assert.ok(await page.isHidden("#stream-problem"));
-  await drop(page, "broken.csg", "cube(size = [1, 1);");
-  await page.waitForSelector("#drawing-problem:not([hidden])");
-  assert.match(await page.textContent("#drawing-problem"), /^broken\.csg:1:/);
-  await drawn(page, () => page.selectOption("#sample", "poster.svg"));
-  assert.ok(await page.isVisible("#expression") && await page.isHidden("#camera-turn"));
-  assert.deepEqual(wrong, []);
-  await close();
-});
-
 test("by keyboard alone", async () => {
   const { page, wrong, close } = await tab(browser, service.address, { allow: [/422|400/] });
   await page.waitForFunction(() => document.querySelector("#canvas").dataset.done);
@@ -463,9 +391,6 @@ test("wide and narrow, light and dark, without a fault that axe knows", async ()
       const [inner, scroll] = await page.evaluate(() => [innerWidth, document.scrollingElement.scrollWidth]);
       assert.ok(scroll <= inner, `${scroll} px in ${inner}`);
       await page.locator(".job .delete").first().click();
-      await drawn(page, () => drop(page, "block.csg", readFileSync(model(), "utf8")));
-      await AxeBuilder(page, `${width} ${scheme}, a model`);
-      assert.ok(await page.evaluate(() => innerWidth >= document.scrollingElement.scrollWidth), "a model's panels fit");
       assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), scheme);
       await page.click("#theme");
       assert.notEqual(await page.evaluate(() => document.documentElement.dataset.theme), scheme);

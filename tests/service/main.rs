@@ -13,6 +13,7 @@ mod kept;
 mod keys;
 mod kills;
 mod models;
+mod moves;
 mod outside;
 mod solids;
 mod support;

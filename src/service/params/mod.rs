@@ -2,9 +2,11 @@
 
 mod fill;
 mod solid;
+mod view;
 
 pub use self::fill::FillParams;
 pub use self::solid::SolidParams;
+pub use self::view::{MoveParams, ViewParams};
 
 use axum::http::header::ACCEPT;
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
@@ -167,6 +169,17 @@ fn take(query: &str, name: &str) -> (Vec<String>, String) {
         }
     }
     (values, rest.finish())
+}
+
+/// Takes a whole number out of a query, which must give it once.
+///
+/// # Errors
+/// It is missing, given again, or something else.
+pub fn take_number(query: &str, name: &str) -> Result<(u32, String), Problem> {
+    let (values, rest) = take(query, name);
+    let number = if let [value] = &values[..] { value.parse().ok() } else { None };
+    let wrong = || Problem::malformed(format!("{name} is {:?}: give a whole number, once", values.join(", ")));
+    Ok((number.ok_or_else(wrong)?, rest))
 }
 
 /// The scanlines that a query names.
