@@ -49,7 +49,7 @@ impl Job {
         let normal = stage.planes[face.plane as usize].normal;
         let toward = if stage.is_toward(face.plane) { normal } else { -normal };
         Some(Pick {
-            part: face.part as usize,
+            part: face.origin.part as usize,
             inside: span.inside,
             normal: toward.to_array(),
             point: view.point(x, y, depth).to_array(),
