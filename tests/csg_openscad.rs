@@ -44,6 +44,55 @@ fn read(text: &str) -> Vec<[f64; 3]> {
     used.collect()
 }
 
+/// Trees that touch, coincide and go through each other: their surfaces have the volumes of those that OpenSCAD works out.
+#[test]
+fn volumes_of_surfaces() {
+    if Command::new("openscad").arg("--version").output().is_err() {
+        assert!(std::env::var_os("CI").is_none_or(|ci| ci != "true"), "openscad is missing");
+        println!("skipped: openscad is not installed");
+        return;
+    }
+    let at = |x: &str, y: &str, z: &str, what: &str| {
+        format!("multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]]) {{ {what} }}")
+    };
+    let cube = "cube(size = [2, 2, 2], center = true);";
+    let ball = "sphere($fn = 20, r = 1.2);";
+    let pin = "cylinder($fn = 17, h = 5, r1 = 0.5, r2 = 0.7, center = true);";
+    let ring = format!("rotate_extrude(angle = 360, convexity = 2, $fn = 24) {{ {} }}", at("2", "0", "0", "circle($fn = 9, r = 0.5);"));
+    let twisted = "linear_extrude(height = 3, twist = 90, scale = [1, 1], $fn = 20) { square(size = [2, 1], center = true); }";
+    let models = [
+        format!("difference() {{ {cube} {pin} {ball} }}"),
+        format!("union() {{ {cube} {} {} }}", at("1", "0", "0", cube), at("0", "1", "1", cube)),
+        format!("difference() {{ {cube} {} }}", at("1", "0", "0", cube)),
+        format!("intersection() {{ {cube} {ball} {} }}", at("0.3", "0", "0.2", pin)),
+        format!(
+            "difference() {{ union() {{ {ring} {cube} }} {} intersection() {{ {ball} {} }} }}",
+            at("2", "0", "0", pin),
+            at("0.5", "0.5", "0.5", cube)
+        ),
+        format!("difference() {{ {twisted} {} render() {{ difference() {{ {ball} {pin} }} }} }}", at("0", "0", "2", ball)),
+        format!("union() {{ hull() {{ {cube} {} }} difference() {{ {ring} {cube} }} }}", at("0", "3", "0", ball)),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let volume = |corners: &[[f64; 3]]| -> f64 {
+        let sixth = |t: &[[f64; 3]]| {
+            let [a, b, c] = [t[0], t[1], t[2]];
+            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        };
+        corners.chunks_exact(3).map(|t| sixth(t) / 6.0).sum()
+    };
+    for (i, text) in models.iter().enumerate() {
+        let theirs = volume(&exported(folder.path(), &format!("volume{i}"), text).unwrap());
+        let mut warnings = Vec::new();
+        let model = read_model(text.as_bytes(), &ModelOptions::default(), &mut warnings).unwrap();
+        let facets = runset::job::stl(&model, &mut warnings).unwrap();
+        assert!(warnings.is_empty(), "{text}: {warnings:?}");
+        let ours = volume(&facets.iter().flatten().map(|p| p.map(f64::from)).collect::<Vec<_>>());
+        // OpenSCAD writes six digits.
+        assert!((ours / theirs - 1.0).abs() < 1e-4, "{text}: {ours}, and {theirs}");
+    }
+}
+
 fn distinct(points: &[[f64; 3]], step: f64) -> usize {
     points.iter().map(|p| p.map(|x| (x / step).round() as i64)).collect::<BTreeSet<_>>().len()
 }

@@ -243,7 +243,7 @@ impl<'m> Work<'m> {
                 surface.triangles.push(Triangle { corners, origin: Origin { turned: turned != backside, part }, face });
             }
         }
-        surface
+        surface.without_slivers()
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Mesh {
 /// of a ring are neighbours.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Face {
-    /// The outer ring and the holes.
+    /// The outer ring and the holes. A face of a mesh that was worked out may be in several pieces, with an outer ring each.
     pub rings: Vec<Vec<u32>>,
     /// Whose surface it lies on, if that is not the part that has it: in a mesh that was worked out from several parts.
     pub origin: Option<Origin>,

@@ -3,7 +3,10 @@
 use foldhash::HashMap;
 
 use super::face::normal;
-use super::{Face, Mesh, Origin, Point, dot, length};
+use super::{Face, Mesh, Origin, Point, cross, dot, length, minus};
+
+/// How thick a piece of a surface is at least, its volume over its area, in terms of the greatest coordinate.
+pub const THIN: f64 = 1e-11;
 
 /// A triangle, counterclockwise as seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +34,39 @@ impl Surface {
         // From a corner, so that what is far from the origin loses no digits.
         let Some(&origin) = self.points.first() else { return 0.0 };
         let sixth = |triangle: &Triangle| {
-            let [a, b, c] = triangle.corners.map(|i| super::minus(self.points[i as usize], origin));
-            dot(a, super::cross(b, c)) / 6.0
+            let [a, b, c] = triangle.corners.map(|i| minus(self.points[i as usize], origin));
+            dot(a, cross(b, c)) / 6.0
         };
         self.triangles.iter().map(sixth).sum()
     }
 
-    /// The surface as a mesh: triangles that are pieces of one face and share an edge are one face, with holes where it has any. No corner is left out, so neighbours keep
-    /// their common edges.
+    /// Leaves out pieces that are closed by themselves and thinner than [`THIN`]: where faces of turned operands should coincide, rounding leaves them there.
+    pub fn without_slivers(mut self) -> Surface {
+        let Some(&origin) = self.points.first() else { return self };
+        let farthest = self.points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Corners that hang together have one first corner.
+        let mut first: Vec<u32> = (0..).take(self.points.len()).collect();
+        for triangle in &self.triangles {
+            let roots = triangle.corners.map(|i| root(&mut first, i));
+            let least = roots[0].min(roots[1]).min(roots[2]);
+            roots.iter().for_each(|&i| first[i as usize] = least);
+        }
+        let mut pieces = vec![[0.0; 2]; self.points.len()];
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.corners.map(|i| minus(self.points[i as usize], origin));
+            let [volume, area] = &mut pieces[root(&mut first, triangle.corners[0]) as usize];
+            *volume += dot(a, cross(b, c)) / 6.0;
+            *area += length(cross(minus(b, a), minus(c, a))) / 2.0;
+        }
+        self.triangles.retain(|triangle| {
+            let [volume, area] = pieces[root(&mut first, triangle.corners[0]) as usize];
+            volume.abs() > THIN * farthest * area
+        });
+        self
+    }
+
+    /// The surface as a mesh: triangles that are pieces of one face are one face, with holes where it has any, and with several outer rings where it was cut to pieces: there
+    /// are no more faces than were given. No corner is left out, so neighbours keep their common edges.
     pub fn mesh(self) -> Mesh {
         let Surface { points, triangles } = self;
         let key = |i: usize| (triangles[i].origin, triangles[i].face);
@@ -47,52 +75,56 @@ impl Surface {
         let mut faces = Vec::new();
         for pieces in order.chunk_by(|&a, &b| key(a) == key(b)) {
             let corners: Vec<[u32; 3]> = pieces.iter().map(|&i| triangles[i].corners).collect();
-            faces.extend(joined(&points, &corners).into_iter().map(|rings| Face { rings, origin: Some(key(pieces[0]).0) }));
+            let rings = joined(&points, &corners);
+            if !rings.is_empty() {
+                faces.push(Face { rings, origin: Some(key(pieces[0]).0) });
+            }
         }
         Mesh { points, faces }
     }
 }
 
-/// The outlines of triangles of one face, those of what hangs together by edges as one: the outer ring first.
-fn joined(points: &[Point], triangles: &[[u32; 3]]) -> Vec<Vec<Vec<u32>>> {
-    // Edges there and back, in the order of their ends.
-    let mut halves: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(3 * triangles.len());
-    for (i, &[a, b, c]) in triangles.iter().enumerate() {
-        halves.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from > to, i)));
-    }
-    halves.sort_unstable();
-    let mut group: Vec<usize> = (0..triangles.len()).collect();
-    let mut outline: Vec<([u32; 2], usize)> = Vec::new();
-    for same in halves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let (there, back) = same.split_at(same.partition_point(|half| !half.2));
-        for (a, b) in there.iter().zip(back) {
-            let [a, b] = [a.3, b.3].map(|i| root(&mut group, i));
-            group[a.max(b)] = a.min(b);
-        }
-        let both = there.len().min(back.len());
-        outline.extend(there[both..].iter().map(|half| ([half.0, half.1], half.3)));
-        outline.extend(back[both..].iter().map(|half| ([half.1, half.0], half.3)));
-    }
-    outline.iter_mut().for_each(|(_, triangle)| *triangle = root(&mut group, *triangle));
-    outline.sort_unstable_by_key(|&(edge, group)| (group, edge));
-    outline.chunk_by(|a, b| a.1 == b.1).map(|edges| outer_first(points, rings(edges))).collect()
-}
-
-/// The first of the triangles that hang together with this one.
-fn root(group: &mut [usize], mut i: usize) -> usize {
-    while group[i] != i {
-        group[i] = group[group[i]];
-        i = group[i];
+/// The first of the corners that hang together with this one.
+fn root(first: &mut [u32], mut i: u32) -> u32 {
+    while first[i as usize] != i {
+        first[i as usize] = first[first[i as usize] as usize];
+        i = first[i as usize];
     }
     i
 }
 
+/// The outlines of triangles of one face, that around most area first.
+fn joined(points: &[Point], triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    // Edges there and back, in the order of their ends.
+    let mut halves: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * triangles.len());
+    for &[a, b, c] in triangles {
+        halves.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from > to)));
+    }
+    halves.sort_unstable();
+    let mut outline: Vec<[u32; 2]> = Vec::new();
+    for same in halves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let back = same.iter().filter(|half| half.2).count();
+        let there = same.len() - back;
+        let (low, high, _) = same[0];
+        outline.extend(std::iter::repeat_n([low, high], there.saturating_sub(back)));
+        outline.extend(std::iter::repeat_n([high, low], back.saturating_sub(there)));
+    }
+    let mut rings = rings(&outline);
+    let area = |ring: &Vec<u32>| length(normal(points, &Face::new(vec![ring.clone()])).0);
+    if rings.len() > 1 {
+        let areas: Vec<f64> = rings.iter().map(area).collect();
+        let outer = (0..rings.len()).max_by(|&a, &b| areas[a].total_cmp(&areas[b]).then(b.cmp(&a))).expect("more than one");
+        rings.swap(0, outer);
+    }
+    rings
+}
+
 /// Edges joined to rings. As many leave every corner as reach it.
-fn rings(edges: &[([u32; 2], usize)]) -> Vec<Vec<u32>> {
+fn rings(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut leaving: HashMap<u32, Vec<u32>> = HashMap::default();
-    edges.iter().rev().for_each(|([from, to], _)| leaving.entry(*from).or_default().push(*to));
+    edges.iter().rev().for_each(|[from, to]| leaving.entry(*from).or_default().push(*to));
     let mut rings = Vec::new();
-    for ([start, _], _) in edges {
+    for [start, _] in edges {
         let mut ring = Vec::new();
         let mut at = *start;
         while let Some(next) = leaving.get_mut(&at).and_then(Vec::pop) {
@@ -105,17 +137,6 @@ fn rings(edges: &[([u32; 2], usize)]) -> Vec<Vec<u32>> {
         if !ring.is_empty() {
             rings.push(ring);
         }
-    }
-    rings
-}
-
-/// The ring around most area first.
-fn outer_first(points: &[Point], mut rings: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
-    let area = |ring: &Vec<u32>| length(normal(points, &Face::new(vec![ring.clone()])).0);
-    if rings.len() > 1 {
-        let areas: Vec<f64> = rings.iter().map(area).collect();
-        let outer = (0..rings.len()).max_by(|&a, &b| areas[a].total_cmp(&areas[b]).then(b.cmp(&a))).expect("more than one");
-        rings.swap(0, outer);
     }
     rings
 }

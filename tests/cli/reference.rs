@@ -9,7 +9,9 @@ fn formats_are_a_table() {
     let ran = Folder::new().run("formats");
     let text = String::from_utf8(ran.done().to_vec()).unwrap();
     let column = text.find("media type").unwrap();
-    for (name, media_type) in [("png", "image/png"), ("pbm", "image/x-portable-bitmap"), ("ndjson", "application/x-ndjson")] {
+    for (name, media_type) in
+        [("png", "image/png"), ("pbm", "image/x-portable-bitmap"), ("ndjson", "application/x-ndjson"), ("stl", "model/stl")]
+    {
         let line = text.lines().find(|line| line.starts_with(name)).unwrap();
         assert!(line[column..].starts_with(media_type), "{line}");
     }

@@ -52,6 +52,70 @@ fn a_model_from_above_by_hand() {
     }
 }
 
+/// Corners of the triangles of a binary STL.
+fn triangles(stl: &[u8]) -> Vec<[[f32; 3]; 3]> {
+    assert!(!stl.starts_with(b"solid"));
+    let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap());
+    let triangles: Vec<_> = stl[84..].chunks(50).map(|t| [12, 24, 36].map(|i| [0, 4, 8].map(|k| number(&t[i + k..i + k + 4])))).collect();
+    assert_eq!(triangles.len(), u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize);
+    triangles
+}
+
+#[test]
+fn an_stl_is_the_surface_of_the_model() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    folder.run("solid m.csg -o m.stl").done();
+    let stl = folder.get("m.stl");
+    assert_eq!(folder.run("solid m.csg --format stl").done(), stl);
+    let sixth = |[a, b, c]: &[[f32; 3]; 3]| {
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    };
+    let volume: f32 = triangles(&stl).iter().map(|t| sixth(t) / 6.0).sum();
+    assert!((volume - 840.0).abs() < 1e-3, "{volume}");
+    // It is a model again, and looks the same.
+    let [tree, mesh] = ["m.csg", "m.stl"].map(|name| folder.run(&format!("solid {name} {ABOVE} --format pbm")).done().to_vec());
+    assert_eq!(tree, mesh);
+    folder.run("solid m.stl -o again.STL --strict").done();
+}
+
+#[test]
+fn an_stl_that_cannot_be_is_not_written() {
+    let folder = Folder::new();
+    let open = "polyhedron(points = [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], faces = [[0,1,2],[0,3,1],[0,2,3]]);";
+    for (text, args, status, start) in [
+        ("group();", "solid m.csg -o m.stl", 1, "m.csg: the model is empty"),
+        ("difference() { cube(1); cube(1); }", "solid m.csg -o m.stl", 1, "m.csg: the model is empty"),
+        (open, "solid m.csg -o m.stl --strict", 1, "m.csg:1:1: 3 open edges"),
+        (MODEL, "solid m.csg -o m.stl --viewall", 2, "runset: --viewall is for pictures"),
+        (MODEL, "solid m.csg -o m.stl --camera 0,0,9,0,0,0", 2, "runset: --camera is for pictures"),
+        (MODEL, "solid m.csg -o m.stl --section 0,0,1,0", 2, "runset: --section is for pictures"),
+        (r#"{"width":1,"height":1,"shapes":{},"expr":"page"}"#, "fill m.csg -o m.stl", 2, "runset: stl is for surfaces"),
+    ] {
+        folder.put("m.csg", text);
+        let ran = folder.run(args);
+        assert_eq!((ran.status, ran.stderr.lines().count()), (Some(status), 1), "{text} {args}: {}", ran.stderr);
+        assert!(ran.stderr.starts_with(start), "{args}: {}", ran.stderr);
+        assert!(!folder.path("m.stl").exists());
+    }
+}
+
+#[test]
+fn what_is_rendered_can_be_worked_out_first() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    folder.put("r.csg", format!("render(convexity = 1) {{ {MODEL} }}"));
+    let picture = |args: &str| folder.run(&format!("solid {args} {ABOVE} --format pbm")).done().to_vec();
+    let plain = picture("m.csg");
+    for args in ["r.csg", "r.csg --evaluate", "m.csg --evaluate"] {
+        assert_eq!(picture(args), plain, "{args}");
+    }
+    let stats = |args: &str| folder.run(&format!("solid {args} {ABOVE} --format pbm --stats")).stderr;
+    // Ten faces: those of a cube and of the hole's four sides.
+    assert!(stats("r.csg").contains("\"faces\":12,\"primitives\":2"), "{}", stats("r.csg"));
+    assert!(stats("r.csg --evaluate").contains("\"faces\":10,\"primitives\":1"), "{}", stats("r.csg --evaluate"));
+}
+
 #[test]
 fn formats_threads_and_streams_show_one_picture() {
     let folder = Folder::new();
