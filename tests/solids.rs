@@ -3,7 +3,7 @@
 mod models;
 
 use glam::DVec3;
-use models::drawn::{Seen, drawn, stage, stage_with};
+use models::drawn::{Hit, Seen, drawn, rays, stage, stage_with};
 use models::{Random, random_model, random_view};
 use runset::mesh::Model;
 use runset::mesh::check::all_placed;
@@ -11,7 +11,6 @@ use runset::scene::{Area, Formula, Gate};
 use runset::solid::body::Plane;
 use runset::solid::savings::Savings;
 use runset::solid::stage::Stage;
-use runset::sweep::Sweep;
 
 fn effort() -> u64 {
     std::env::var("RUNSET_EFFORT").ok().and_then(|n| n.parse().ok()).unwrap_or(1)
@@ -66,41 +65,23 @@ fn made_it(model: &Model, part: u32, before: &[bool], after: &[bool]) -> bool {
 
 /// Every pixel by itself: which faces' outlines wind around its centre, in the order of their nearness; counted from the eye on until the model holds.
 fn brute(model: &Model, stage: &Stage) -> Vec<Vec<Seen>> {
-    let mut sweep = Sweep::new(0..stage.view.height);
-    let mut picture = Vec::new();
-    while let Some(scanline) = sweep.next(&stage.edges) {
-        for y in scanline.y..scanline.y + scanline.n {
-            let crossings: Vec<_> = sweep.columns().iter().zip(sweep.list()).map(|(&x, entry)| (x, sweep.tags()[entry.slot()])).collect();
-            let pixels = (0..stage.view.width).map(|x| {
-                let mut turns = vec![0; stage.faces.len()];
-                for (_, crossing) in crossings.iter().filter(|crossing| crossing.0 <= x) {
-                    turns[crossing.left as usize] += crossing.turns;
-                    if let Some(right) = turns.get_mut(crossing.right as usize) {
-                        *right -= crossing.turns;
-                    }
-                }
-                let near = |face: u32| stage.depths[stage.faces[face as usize].plane as usize].at(x, y);
-                let mut active: Vec<u32> = (0..turns.len() as u32).filter(|face| turns[*face as usize] != 0).collect();
-                active.sort_by_key(|&face| (std::cmp::Reverse(near(face)), face));
-                let mut sums = vec![0; model.parts.len()];
-                let mut before = truths(&model.formula, &sums);
-                for group in active.chunk_by(|a, b| near(*a) == near(*b)) {
-                    group.iter().for_each(|&face| sums[stage.faces[face as usize].origin.part as usize] += turns[face as usize]);
-                    let after = truths(&model.formula, &sums);
-                    if after[model.area.index()] {
-                        let part = |face: &&u32| stage.faces[**face as usize].origin.part;
-                        let candidates = group.iter().filter(|face| made_it(model, part(face), &before, &after));
-                        let face = candidates.min_by_key(|face| (stage.faces[**face as usize].rank, **face)).expect("something made it");
-                        return Some((part(&face), *face, near(*face)));
-                    }
-                    before = after;
-                }
-                None
-            });
-            picture.push(pixels.collect());
+    let pixel = |hits: Vec<Hit>| {
+        let mut sums = vec![0; model.parts.len()];
+        let mut before = truths(&model.formula, &sums);
+        for group in hits.chunk_by(|a, b| a.2 == b.2) {
+            group.iter().for_each(|&(face, turns, _)| sums[stage.faces[face as usize].origin.part as usize] += turns);
+            let after = truths(&model.formula, &sums);
+            if after[model.area.index()] {
+                let part = |hit: &Hit| stage.faces[hit.0 as usize].origin.part;
+                // In the order of ranks and faces.
+                let &(face, _, near) = group.iter().find(|hit| made_it(model, part(hit), &before, &after)).expect("something made it");
+                return Some((stage.faces[face as usize].origin.part, face, near));
+            }
+            before = after;
         }
-    }
-    picture
+        None
+    };
+    rays(stage).into_iter().map(|line| line.into_iter().map(pixel).collect()).collect()
 }
 
 #[test]

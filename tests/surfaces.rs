@@ -20,7 +20,7 @@ use runset::mesh::boolean::surface;
 use runset::mesh::check::closed;
 use runset::mesh::surface::Surface;
 use runset::mesh::{IDENTITY, Mesh, Model, Origin, Part};
-use runset::scene::{Area, Formula, Gate};
+use runset::scene::{Area, Formula, Gate, Limits};
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::savings::Savings;
 use runset::solid::spans::Spans;
@@ -293,7 +293,7 @@ fn workloads_look_the_same_worked_out_and_have_their_colours() {
         let again = whole(&model);
         let view = view(300, 300, DVec3::from_array(eye), DVec3::from_array(target), Projection::Perspective { focal: 500.0, near: 0.05 });
         let [first, second] = [&model, &again].map(|model| pixels(&stage(model, view, &[])));
-        let kept = [&model, &again].map(|model| Kept::new(model, &mut Vec::new()));
+        let kept = [&model, &again].map(|model| Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap());
         println!("{name}: {} parts with {} faces become {} with {}", kept[0].parts(), kept[0].faces(), kept[1].parts(), kept[1].faces());
         assert_eq!(different(&first, &second), (0, 0), "{name}");
         assert_eq!(kept[1].parts(), 1);

@@ -1,6 +1,6 @@
 //! `runset solid`: a CSG model, shown directly.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -8,6 +8,7 @@ use runset::error::Warning;
 use runset::input::{ModelOptions, Reading, read_tree};
 use runset::job::{self, Aov, Job, Kept, SolidOptions};
 use runset::solid::camera::{Camera, Setup};
+use runset::solid::look::{Look, MAX_ANTIALIAS};
 use runset::solid::shade::{SCHEMES, Scheme};
 use runset::solid::stage::Plane;
 
@@ -15,6 +16,7 @@ use super::input::Source;
 use super::messages::{Ends, Failure};
 use super::output::{Output, Target};
 use super::progress::Progress;
+use super::values;
 use super::work::Work;
 use super::{scad, surface};
 
@@ -26,6 +28,10 @@ Examples:
       from an eye to a point, as OpenSCAD's options have it
   runset solid part.csg --section 0,0,1,5 -o inside.png
       without what is above z = 5; --section 0,-1,0,0 takes away what is before the plane y = 0
+  runset solid part.csg --smooth 30 --edges --antialias 4 -o part.png
+      curved surfaces without facets, lines along sharp edges, soft outlines
+  runset solid part.csg --translucent 2 -o part.png
+      the second primitive as glass; --glass shows all that is cut away
   runset solid part.csg --camera 0,0,0,55,0,0,99 --camera 0,0,0,55,0,90,99 -o view-%d.png
       view-1.png and view-2.png, of a model that is read once
   runset solid part.scad --aov depth=part.pfm --aov primitive=part.pgm -o part.ppm
@@ -79,6 +85,33 @@ pub struct Solid {
     /// Cut the model by a plane: what is at A x + B y + C z <= D stays, the side that (A, B, C) points to is taken away; may be given several times
     #[arg(long, value_name = "A,B,C,D", value_parser = job::section, allow_hyphen_values = true)]
     section: Vec<Plane>,
+
+    /// Smooth the outlines: every pixel is the mean of N x N finer ones, 1 to 8
+    ///
+    /// The mean is that of the bytes of the colours, paper among them, rounded to the nearest. Lines take N x N times as long. Numbers (--aov) stay those of the
+    /// page's own pixels.
+    #[arg(long, value_name = "N", default_value_t = 1, alias = "supersample", value_parser = values::whole(1..=MAX_ANTIALIAS))]
+    antialias: u32,
+
+    /// Shade faces as one curved surface where they meet at less than ANGLE degrees, such as 30
+    ///
+    /// Outlines, depths and normals (--aov) stay those of the faces.
+    #[arg(long, value_name = "ANGLE", value_parser = job::angle)]
+    smooth: Option<f64>,
+
+    /// Draw the edges of what is seen: where a part or a surface ends, and where faces meet at more than ANGLE degrees [default: 30]
+    #[arg(long, value_name = "ANGLE", num_args = 0..=1, require_equals = true, default_missing_value = "30", value_parser = job::angle)]
+    edges: Option<f64>,
+
+    /// Show a primitive as glass, by its number as in --aov primitive: 3, 2-5 or 1,4; may be given several times
+    ///
+    /// What is seen behind it is the model without what it adds; what it takes away is taken away.
+    #[arg(long, value_name = "ID", alias = "transparent", value_delimiter = ',', value_parser = job::parts)]
+    translucent: Vec<RangeInclusive<u32>>,
+
+    /// Show all that is cut away as glass
+    #[arg(long)]
+    glass: bool,
 
     /// Only scanlines Y0 to Y1 - 1, counted from 0: what the whole picture holds there
     #[arg(long, value_name = "Y0..Y1", value_parser = job::lines)]
@@ -171,7 +204,9 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
     let options = |camera: Option<Camera>, started| {
         let orthographic = args.projection == Projection::Orthographic;
         let setup = Setup { camera, orthographic, view_all: args.viewall, autocenter: args.autocenter, width, height };
-        SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), lines: args.lines.clone(), started }
+        let Solid { antialias, smooth, edges, glass, .. } = *args;
+        let look = Look { antialias, smooth, edges, glass, translucent: args.translucent.clone() };
+        SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), look, lines: args.lines.clone(), started }
     };
     // Without a camera there is one view, from where all is seen.
     let cameras: Vec<Option<Camera>> = if args.camera.is_empty() { vec![None] } else { args.camera.iter().copied().map(Some).collect() };
@@ -209,12 +244,15 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
         };
         let name = output.name().to_owned();
         let ends = Ends { output: &name, ..of_input };
-        let job = Job::solid(&kept, &options(*camera, began)).map_err(|error| ends.failure(&error))?;
+        let asked = options(*camera, began);
+        let job = Job::solid(&kept, &asked).map_err(|error| ends.failure(&error))?;
         let mut progress = Progress::new(&args.work.watch, Some(header.height()), output.is_terminal());
         let stats = job
             .render(format, args.work.limits().threads, &mut output, &mut |done| progress.set(done))
             .map_err(|error| ends.failure(&error))?;
         drop(progress);
+        let of_numbers = if numbers.is_empty() || asked.look.antialias == 1 { None } else { Some(Job::solid(&kept, &asked.of_numbers())) };
+        let job = of_numbers.transpose().map_err(|error| ends.failure(&error))?.unwrap_or(job);
         for (aov, out) in &mut numbers {
             let name = out.name().to_owned();
             job.aov(*aov, out).map_err(|error| Ends { output: &name, ..ends }.failure(&error))?;

@@ -40,7 +40,7 @@ pub use solid::{Aov, MAX_SECTIONS, SolidOptions};
 use source::Source;
 pub use source::{Cost, Rows};
 pub use stream::{Checkpoint, More, Stream};
-pub use view::{camera, image_size, section};
+pub use view::{angle, camera, image_size, parts, section};
 
 use std::io::Write;
 use std::ops::Range;
@@ -213,9 +213,9 @@ impl Job {
     pub fn weight(&self) -> u64 {
         /// Of an edge in the sweep's lists.
         const EDGE: u64 = 64;
-        let Source::Solid(stage, _) = &self.source else { return EDGE * self.edges };
+        let Source::Solid(stage, paint) = &self.source else { return EDGE * self.edges };
         let of_faces = size_of_val(&stage.faces[..]) + size_of_val(&stage.depths[..]) + size_of_val(&stage.planes[..]);
-        EDGE * self.edges + of_faces as u64
+        EDGE * self.edges + (of_faces + paint.weight()) as u64
     }
 
     /// The lines as runs, pulled from top to bottom. Lines that follow each other may be equal.

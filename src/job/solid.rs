@@ -7,13 +7,17 @@ use std::time::Instant;
 
 use super::source::Source;
 use super::{Job, Kept, SolidStats, band_height, slice, write};
+use crate::count::{Node, Program};
 use crate::error::{Error, Kind, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
 use crate::run::{Header, Inks};
 use crate::solid::body::Plane;
 use crate::solid::camera::{Camera, Setup};
+use crate::solid::glass;
+use crate::solid::look::{Look, MAX_ANTIALIAS, MAX_TRANSLUCENT};
+use crate::solid::paint::Paint;
 use crate::solid::savings::Savings;
-use crate::solid::shade::{Colours, SCHEMES, Scheme};
+use crate::solid::shade::{SCHEMES, Scheme};
 use crate::solid::spans::Spans;
 use crate::solid::stage::Stage;
 
@@ -26,6 +30,8 @@ pub struct SolidOptions {
     pub scheme: Scheme,
     /// Planes that cut it: what is before them, in the direction of their normals, stays. At most [`MAX_SECTIONS`].
     pub sections: Vec<Plane>,
+    /// How it looks.
+    pub look: Look,
     /// Only these scanlines.
     pub lines: Option<Range<u32>>,
     /// When the work began.
@@ -34,7 +40,14 @@ pub struct SolidOptions {
 
 impl Default for SolidOptions {
     fn default() -> SolidOptions {
-        SolidOptions { setup: Setup::default(), scheme: SCHEMES[0], sections: Vec::new(), lines: None, started: Instant::now() }
+        SolidOptions {
+            setup: Setup::default(),
+            scheme: SCHEMES[0],
+            sections: Vec::new(),
+            look: Look::default(),
+            lines: None,
+            started: Instant::now(),
+        }
     }
 }
 
@@ -50,11 +63,35 @@ impl SolidOptions {
             return Err(Error::parameter(what));
         }
         check(&self.setup)?;
+        self.finer()?;
+        check_look(&self.look)?;
         if self.sections.len() > MAX_SECTIONS {
             return Err(Error::parameter(format!("{} sections: give at most {MAX_SECTIONS}", self.sections.len())));
         }
         let lines = slice(self.lines.as_ref(), height)?;
         Ok(Header { width, lines, inks: Inks::Shaded { paper: self.scheme.background }, dpi: None })
+    }
+
+    /// Those of the numbers of the same view ([`Job::aov`]), which stand for pixels as they are and not for means.
+    #[must_use]
+    pub fn of_numbers(&self) -> SolidOptions {
+        SolidOptions { look: Look { antialias: 1, smooth: None, edges: None, ..self.look.clone() }, ..self.clone() }
+    }
+
+    /// The page of the stage: that of finer pixels.
+    fn finer(&self) -> Result<Setup> {
+        let (n, Setup { width, height, .. }) = (self.look.antialias, self.setup);
+        if !(1..=MAX_ANTIALIAS).contains(&n) {
+            return Err(Error::parameter(format!("antialias is {n}: give a whole number from 1 to {MAX_ANTIALIAS}")));
+        }
+        let [across, down] = [width, height].map(|side| side.saturating_mul(n));
+        if across > MAX_WIDTH || down > MAX_HEIGHT {
+            let what = format!(
+                "antialias {n} takes a page of {across} x {down} px, and at most {MAX_WIDTH} x {MAX_HEIGHT} are possible: give a smaller one"
+            );
+            return Err(Error::parameter(what));
+        }
+        Ok(Setup { width: across, height: down, ..self.setup })
     }
 }
 
@@ -80,17 +117,20 @@ impl Job {
     pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
         let header = options.header()?;
         let Kept { body, program, leaves, colours, pairs, .. } = model;
-        let view = model.view(&options.setup);
-        let stage = Stage::new(body, program.clone(), leaves, view, &options.sections, Savings::default());
+        let look = &options.look;
+        let view = model.view(&options.finer()?);
+        let program = opaque(program, leaves, look, colours.len())?;
+        let savings = Savings { boxes: !look.has_glass(), ..Savings::default() };
+        let stage = Stage::new(body, program, leaves, view, &options.sections, savings);
         // A scanline compares the faces at an edge with each other, so at worst all with all.
         let most = stage.edges.peak();
         if u64::from(most).pow(2) / 4 > *pairs {
             return Err(Error::input(Kind::Limit, format!("a scanline meets {most} edges: use a coarser model, or a part of it")));
         }
-        let colours = Colours::new(&stage, colours, &options.scheme);
+        let paint = Paint::new(&stage, body, colours, &options.scheme, look);
         Ok(Job {
             edges: stage.edges.len() as u64,
-            source: Source::Solid(Arc::new(stage), Arc::new(colours)),
+            source: Source::Solid(Arc::new(stage), Arc::new(paint)),
             band: band_height(options.setup.height),
             header,
             started: options.started,
@@ -102,10 +142,13 @@ impl Job {
     /// Writes what pixels show as numbers. Nothing is written for plane shapes.
     ///
     /// # Errors
-    /// What the writer says.
+    /// What the writer says; a picture of means, which has no such numbers: those of the view are a job of [`SolidOptions::of_numbers`].
     pub fn aov(&self, aov: Aov, out: &mut dyn Write) -> Result<()> {
         let Source::Solid(stage, _) = &self.source else { return Ok(()) };
         let [width, height] = [self.header.width, self.header.height()];
+        if stage.view.width != width {
+            return Err(Error::parameter("pixels that are means have no depth, part or normal: ask for them without antialias"));
+        }
         let head = match aov {
             Aov::Primitive => format!("P5\n{width} {height}\n65535\n"),
             Aov::Depth => format!("Pf\n{width} {height}\n-1.0\n"),
@@ -163,6 +206,37 @@ impl Aov {
             Aov::Normal => &[0; 12],
         }
     }
+}
+
+/// Whether a look is one.
+fn check_look(look: &Look) -> Result<()> {
+    if look.smooth.is_some_and(|angle| !(angle > 0.0 && angle <= 180.0)) {
+        return Err(Error::parameter("the angle of smooth shading is out of range: give one above 0, and at most 180 degrees"));
+    }
+    if look.edges.is_some_and(|angle| !(0.0..=180.0).contains(&angle)) {
+        return Err(Error::parameter("the angle of edges is out of range: give one from 0 to 180 degrees"));
+    }
+    if look.translucent.len() > MAX_TRANSLUCENT {
+        return Err(Error::parameter(format!("{} ranges of translucent parts: give at most {MAX_TRANSLUCENT}", look.translucent.len())));
+    }
+    Ok(())
+}
+
+/// The program of what is opaque, in a model of so many parts.
+fn opaque(program: &Program, leaves: &[(usize, Node)], look: &Look, parts: usize) -> Result<Program> {
+    let named = look.translucent.iter().flat_map(|range| [*range.start(), *range.end()]);
+    if let Some(wrong) = named.into_iter().find(|&number| number == 0 || number as usize > parts) {
+        return Err(Error::parameter(format!(
+            "there is no translucent part {wrong}: give numbers from 1 to {parts}, in the order in which runset info lists primitives"
+        )));
+    }
+    let glass = look.parts_of_glass(parts);
+    if glass.is_empty() {
+        return Ok(program.clone());
+    }
+    let mut of_leaves = vec![false; program.leaves()];
+    leaves.iter().for_each(|&(part, leaf)| of_leaves[leaf as usize] = glass[part]);
+    Ok(glass::without(program, &of_leaves))
 }
 
 /// Whether a camera sees anything.

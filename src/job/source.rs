@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use crate::region::{self, Picture};
 use crate::run::{Lines, Run};
-use crate::solid::shade::{self, Colours};
-use crate::solid::spans;
+use crate::solid::paint::Paint;
 use crate::solid::stage::Stage;
+use crate::solid::{rows, spans};
 
 /// What is drawn, shared by all who draw it.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// Plane shapes.
     Plane(Arc<Picture>),
-    /// A model in a view, and the colours of its faces.
-    Solid(Arc<Stage>, Arc<Colours>),
+    /// A model in a view, and how it is painted.
+    Solid(Arc<Stage>, Arc<Paint>),
 }
 
 /// Its lines, pulled from top to bottom. Lines that follow each other may be equal.
@@ -23,7 +23,7 @@ pub enum Rows {
     /// Of plane shapes.
     Plane(Box<region::Rows>),
     /// Of a model.
-    Solid(Box<shade::Rows>),
+    Solid(Box<rows::Rows>),
 }
 
 /// What lines have cost: of plane shapes, of models.
@@ -48,7 +48,7 @@ impl Source {
     pub fn rows(&self, lines: Range<u32>) -> Rows {
         match self {
             Source::Plane(picture) => Rows::Plane(Box::new(region::Rows::new(picture.clone(), lines))),
-            Source::Solid(stage, colours) => Rows::Solid(Box::new(shade::Rows::new(stage.clone(), colours.clone(), lines))),
+            Source::Solid(stage, paint) => Rows::Solid(Box::new(rows::Rows::new(stage.clone(), paint.clone(), lines))),
         }
     }
 }

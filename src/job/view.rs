@@ -1,5 +1,7 @@
 //! What people write to say how a model is seen: numbers between commas. The command line and the service take the same.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
@@ -59,9 +61,40 @@ pub fn section(text: &str) -> Result<Plane, String> {
     }
 }
 
+/// An angle in degrees, from 0 to 180.
+///
+/// # Errors
+/// What to give.
+pub fn angle(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok().filter(|angle| (0.0..=180.0).contains(angle));
+    angle.ok_or_else(|| "give an angle from 0 to 180 degrees, such as 30".to_owned())
+}
+
+/// Numbers of parts, counted from 1: `3`, or `2-5`.
+///
+/// # Errors
+/// What to give.
+pub fn parts(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let number = |text: &str| text.trim().parse().ok().filter(|&number: &u32| number > 0);
+    let range = match text.split_once('-') {
+        Some((first, last)) => number(first).zip(number(last)).filter(|(first, last)| first <= last),
+        None => number(text).map(|number| (number, number)),
+    };
+    let (first, last) = range.ok_or("give a primitive's number, counted from 1, or a range of them, such as 3 or 2-5")?;
+    Ok(first..=last)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_and_numbers_of_parts() {
+        assert_eq!((angle("0"), angle(" 22.5 "), angle("180")), (Ok(0.0), Ok(22.5), Ok(180.0)));
+        assert!(["", "-1", "180.1", "nan", "inf", "x"].iter().all(|text| angle(text).is_err()));
+        assert_eq!((parts("3"), parts("2-5"), parts("7 - 7")), (Ok(3..=3), Ok(2..=5), Ok(7..=7)));
+        assert!(["", "0", "0-3", "5-2", "-3", "3-", "1-2-3", "x", "4294967296"].iter().all(|text| parts(text).is_err()));
+    }
 
     #[test]
     fn sections_keep_the_side_that_their_normal_points_away_from() {

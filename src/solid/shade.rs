@@ -1,17 +1,14 @@
-//! Colours of faces, and scanlines of them.
+//! Colours of faces.
 //!
-//! A face has one colour: that of its part, as bright as the angle at which light from the camera's upper left meets it. Where a part that is taken away has left its
+//! A face that is flat has one colour: that of its part, as bright as the angle at which light from the camera's upper left meets it. Where a part that is taken away has left its
 //! surface, that is shown in the part's own colour, or in the scheme's colour for cuts if it has none.
-
-use std::ops::Range;
-use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::savings::Savings;
-use super::spans::{Cost, Span, Spans};
 use super::stage::Stage;
-use crate::run::{Lines, Rgb, Run};
+use super::view::View;
+use crate::mesh::Origin;
+use crate::run::Rgb;
 
 /// Colours of what has none of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +29,8 @@ macro_rules! schemes {
     };
 }
 
-const fn rgb(value: u32) -> Rgb {
+/// The channels of 0xRRGGBB.
+pub(super) const fn rgb(value: u32) -> Rgb {
     let [_, r, g, b] = value.to_be_bytes();
     [r, g, b]
 }
@@ -58,80 +56,63 @@ const AMBIENT: f64 = 0.35;
 /// Where light comes from, in the camera's coordinates: right, down, forward.
 const LIGHT: DVec3 = DVec3::new(-0.4, -0.65, -0.75);
 
+/// Where light comes from, as a unit vector in the model's coordinates.
+pub fn light(view: &View) -> DVec3 {
+    let [right, down, forward] = view.axes;
+    (right * LIGHT.x + down * LIGHT.y + forward * LIGHT.z).normalize()
+}
+
+/// A colour in light that meets its surface at an angle with this cosine, as 0xRRGGBB.
+pub fn lit(colour: Rgb, cosine: f64) -> u32 {
+    let bright = AMBIENT + (1.0 - AMBIENT) * cosine.max(0.0);
+    let [r, g, b] = colour.map(|c| (f64::from(c) * bright).round() as u32);
+    r << 16 | g << 8 | b
+}
+
 /// The colours of a stage's faces, seen from outside and from inside of their parts.
 #[derive(Clone, Debug)]
-pub struct Colours(Vec<[u32; 2]>);
+pub struct Colours {
+    /// Of the faces, lit as planes.
+    faces: Vec<[u32; 2]>,
+    /// Of the parts, in no light.
+    parts: Vec<[Rgb; 2]>,
+}
 
 impl Colours {
     /// The colours of all faces of a stage whose parts have these, or none of their own.
     pub fn new(stage: &Stage, parts: &[Option<Rgb>], scheme: &Scheme) -> Colours {
         let light = LIGHT.normalize();
+        let parts: Vec<[Rgb; 2]> = parts.iter().map(|own| [own.unwrap_or(scheme.front), own.unwrap_or(scheme.back)]).collect();
         let colours = stage.faces.iter().map(|face| {
             let normal = stage.planes[face.plane as usize].normal;
             let [right, down, forward] = stage.view.axes;
             let normal = DVec3::new(right.dot(normal), down.dot(normal), forward.dot(normal));
             // What is seen of a plane is turned to the eye, whichever side that is.
             let toward = if stage.is_toward(face.plane) { normal } else { -normal };
-            let bright = AMBIENT + (1.0 - AMBIENT) * toward.dot(light).max(0.0);
-            let own = parts[face.origin.part as usize];
-            let mut sides = [own.unwrap_or(scheme.front), own.unwrap_or(scheme.back)];
-            if face.origin.turned {
-                sides.reverse();
-            }
-            sides.map(|colour| {
-                let [r, g, b] = colour.map(|c| (f64::from(c) * bright).round() as u32);
-                r << 16 | g << 8 | b
-            })
+            [false, true].map(|inside| lit(side(&parts, face.origin, inside), toward.dot(light)))
         });
-        Colours(colours.collect())
+        Colours { faces: colours.collect(), parts }
     }
 
-    /// The colour of what a span shows, as 0xRRGGBB.
-    pub fn of(&self, span: &Span) -> u32 {
-        self.0[span.face as usize][usize::from(span.inside)]
+    /// The colour of a face, as 0xRRGGBB.
+    #[inline]
+    pub fn of(&self, face: u32, inside: bool) -> u32 {
+        self.faces[face as usize][usize::from(inside)]
+    }
+
+    /// About how many bytes they hold.
+    pub fn weight(&self) -> usize {
+        size_of_val(&self.faces[..]) + size_of_val(&self.parts[..])
+    }
+
+    /// The colour of a part, in no light.
+    #[inline]
+    pub fn of_part(&self, origin: Origin, inside: bool) -> Rgb {
+        side(&self.parts, origin, inside)
     }
 }
 
-/// The scanlines of a stage in colour, pulled from top to bottom; what shows nothing is paper.
-pub struct Rows {
-    spans: Spans,
-    colours: Arc<Colours>,
-    runs: Vec<Run>,
-}
-
-impl Rows {
-    /// The scanlines `rows`.
-    pub fn new(stage: Arc<Stage>, colours: Arc<Colours>, rows: Range<u32>) -> Rows {
-        Rows { spans: Spans::new(stage, rows, Savings::default()), colours, runs: Vec::new() }
-    }
-
-    /// The next scanline; none behind the last.
-    #[expect(clippy::should_implement_trait, reason = "the rows are lent, not given")]
-    pub fn next(&mut self) -> Option<Lines<'_>> {
-        let (y, spans) = self.spans.next()?;
-        self.runs.clear();
-        for span in spans {
-            let ink = self.colours.of(span);
-            match self.runs.last_mut() {
-                Some(last) if last.end == span.start && last.ink == ink => last.end = span.end,
-                _ => self.runs.push(Run { start: span.start, end: span.end, ink }),
-            }
-        }
-        Some(Lines { y, n: 1, runs: &self.runs })
-    }
-
-    /// The runs of the scanline that was given last.
-    pub fn runs(&self) -> &[Run] {
-        &self.runs
-    }
-
-    /// About how much work the last scanline was, in edges.
-    pub fn stepped(&self) -> usize {
-        self.spans.active()
-    }
-
-    /// What the scanlines have cost so far.
-    pub fn cost(&self) -> &Cost {
-        self.spans.cost()
-    }
+/// The colour of one side of a surface that comes from there, in no light.
+fn side(parts: &[[Rgb; 2]], origin: Origin, inside: bool) -> Rgb {
+    parts[origin.part as usize][usize::from(inside != origin.turned)]
 }

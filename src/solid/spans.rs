@@ -43,6 +43,20 @@ pub struct Span {
     pub inside: bool,
 }
 
+/// Pixels of a scanline with the same layers of glass in front of what is seen, or of nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// First column.
+    pub start: u32,
+    /// Column behind the last.
+    pub end: u32,
+    /// Which of [`Spans::layers`].
+    pub layers: Range<usize>,
+}
+
+/// A layer of glass: its face, and whether that is seen from inside of its part.
+pub type Layer = (u32, bool);
+
 /// What a walk has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
@@ -85,6 +99,12 @@ pub struct Spans {
     spans: Vec<Span>,
     /// Columns at which spans of the scanline were split.
     splits: Vec<u32>,
+    /// For every part whether its faces are glass.
+    glass: Arc<[bool]>,
+    /// The layers in front of what is in sight.
+    front: Vec<Layer>,
+    stretches: Vec<Stretch>,
+    layers: Vec<Layer>,
     cost: Cost,
     timers: Timers,
 }
@@ -118,6 +138,13 @@ const AGAIN: u32 = 8;
 impl Spans {
     /// The scanlines `rows` of a stage.
     pub fn new(stage: Arc<Stage>, rows: Range<u32>, savings: Savings) -> Spans {
+        Spans::with_glass(stage, rows, savings, Arc::default())
+    }
+
+    /// The scanlines `rows` of a stage, with the layers of parts that are glass; none if no part is named. The stage must be one of whole parts ([`Savings::boxes`]).
+    pub fn with_glass(stage: Arc<Stage>, rows: Range<u32>, savings: Savings, glass: Arc<[bool]>) -> Spans {
+        // What is known from the scanline above is the face that is seen, and not what is in front of it.
+        let savings = Savings { lines: savings.lines && glass.is_empty(), ..savings };
         let faces = stage.faces.len();
         Spans {
             savings,
@@ -130,6 +157,10 @@ impl Spans {
             sight: None,
             spans: Vec::new(),
             splits: Vec::new(),
+            glass,
+            front: Vec::new(),
+            stretches: Vec::new(),
+            layers: Vec::new(),
             cost: Cost::default(),
             timers: Timers::default(),
             stage,
@@ -164,6 +195,16 @@ impl Spans {
         Some((y, &self.spans))
     }
 
+    /// Where there is glass on the scanline that was given last, from left to right.
+    pub fn stretches(&self) -> &[Stretch] {
+        &self.stretches
+    }
+
+    /// The layers of a stretch, the nearest first.
+    pub fn layers(&self, stretch: &Stretch) -> &[Layer] {
+        &self.layers[stretch.layers.clone()]
+    }
+
     /// What the scanlines have cost so far.
     pub fn cost(&self) -> &Cost {
         &self.cost
@@ -183,6 +224,8 @@ impl Spans {
         let stage = self.stage.clone();
         let width = stage.view.width;
         self.spans.clear();
+        self.stretches.clear();
+        self.layers.clear();
         let edges = self.sweep.list().len();
         self.cost.peak_active = self.cost.peak_active.max(edges as u64);
         // Where edges are denser than pixels hardly a cell lasts.
@@ -294,6 +337,21 @@ impl Spans {
         }
     }
 
+    /// Lays what is in front of what is in sight over columns.
+    fn lay(&mut self, columns: Range<u32>) {
+        if self.front.is_empty() {
+            return;
+        }
+        match self.stretches.last_mut() {
+            Some(last) if last.end == columns.start && self.layers[last.layers.clone()] == self.front[..] => last.end = columns.end,
+            _ => {
+                let first = self.layers.len();
+                self.layers.extend_from_slice(&self.front);
+                self.stretches.push(Stretch { start: columns.start, end: columns.end, layers: first..self.layers.len() });
+            }
+        }
+    }
+
     /// Shows what is seen on columns between which no edge is crossed. Gives what is seen in all of them, if that is one thing that was looked at here, and on how many
     /// pairs of faces it depends.
     fn fill(&mut self, stage: &Stage, y: u32, columns: Range<u32>) -> Option<(Seen, usize)> {
@@ -310,6 +368,7 @@ impl Spans {
             };
             let end = sight.until.min(columns.end);
             self.show(start..end, sight.seen);
+            self.lay(start..end);
             self.cost.spans += 1;
             if end < columns.end {
                 self.splits.push(end);
@@ -329,6 +388,13 @@ impl Spans {
         self.cost.counts += u64::from(visible.counted);
         self.timers.lap(Part::Count);
         let shown = visible.seen.map(|seen| self.faces.list()[seen]);
+        if !self.glass.is_empty() {
+            // For as long as this is in sight all that is in front of it stays, and in this order.
+            let ahead = self.faces.list()[..visible.front].iter().take_while(|active| shown.is_none_or(|shown| active.near > shown.near));
+            let is_glass = |active: &&Active| self.glass[stage.faces[active.face as usize].origin.part as usize];
+            self.front.clear();
+            self.front.extend(ahead.filter(is_glass).map(|active| (active.face, self.faces.turns(active.face) < 0)));
+        }
         let pairs = self.pairs(visible.front, shown.is_some());
         let until = self.until(stage, column..stage.view.width, pairs);
         let seen = shown.map(|shown| (shown.face, self.faces.turns(shown.face) < 0));

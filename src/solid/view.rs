@@ -128,7 +128,7 @@ impl View {
     }
 
     /// Where pixel (i, j) is looked at, in pixels from the centre of the page.
-    fn sample(&self, i: u32, j: u32) -> Point {
+    pub(super) fn sample(&self, i: u32, j: u32) -> Point {
         [f64::from(i) + SAMPLE[0] - f64::from(self.width) / 2.0, f64::from(j) + SAMPLE[1] - f64::from(self.height) / 2.0]
     }
 

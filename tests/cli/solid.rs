@@ -156,6 +156,13 @@ fn what_is_wrong_is_one_line_with_its_place() {
             "runset: invalid value '0,0,0,0,0,0,-1' for '--camera <NUMBERS>': the last number is the distance",
         ),
         (MODEL, "--imgsize 0,5", 2, "runset: invalid value '0,5' for '--imgsize <W,H>': give a width"),
+        (MODEL, "--antialias 9", 2, "runset: invalid value '9' for '--antialias <N>': give a whole number from 1 to 8"),
+        (MODEL, "--antialias 2 --imgsize 600000,10", 2, "runset: antialias 2 takes a page of 1200000 x 20 px, and at most 1048576 x"),
+        (MODEL, "--smooth 181", 2, "runset: invalid value '181' for '--smooth <ANGLE>': give an angle"),
+        (MODEL, "--smooth 0", 2, "runset: the angle of smooth shading is out of range: give one above 0"),
+        (MODEL, "--edges=x", 2, "runset: invalid value 'x' for '--edges[=<ANGLE>]': give an angle"),
+        (MODEL, "--translucent 2-1", 2, "runset: invalid value '2-1' for '--translucent <ID>': give a primitive's number"),
+        (MODEL, "--translucent 1-3", 2, "runset: there is no translucent part 3: give numbers from 1 to 2, in the order"),
         (MODEL, "--aov colour=x", 2, "runset: invalid value 'colour=x' for '--aov <WHAT=FILE>': give primitive"),
     ] {
         folder.put("m.csg", text);
@@ -196,6 +203,62 @@ fn sections_take_away_the_side_that_their_normals_point_to() {
     }
     let many = "--section 0,0,1,5 ".repeat(17);
     folder.run(&format!("solid m.csg {many} -o n.png")).refused(2, "runset: 17 sections: give at most 16 (see runset solid --help)");
+}
+
+/// The colours of some pixels.
+fn shown<const N: usize>(folder: &Folder, options: &str, pixels: [(usize, usize); N]) -> [[u8; 3]; N] {
+    let out = folder.run(&format!("solid m.csg {ABOVE} --format ppm {options}")).done().to_vec();
+    let rgb = out.strip_prefix(b"P6\n16 16\n255\n").unwrap();
+    pixels.map(|(x, y)| rgb[3 * (16 * y + x)..][..3].try_into().unwrap())
+}
+
+/// Light meets what faces the camera at a cosine of 0.75 / 1.07; 0.35 + 0.65 of that is how bright it is: 0.8056.
+#[test]
+fn glass_and_means_by_hand() {
+    let folder = Folder::new();
+    let (paper, top) = ([255, 255, 229], [201, 173, 35]);
+    folder.put("m.csg", MODEL);
+    let pixels = [(7, 7), (6, 7), (3, 3)];
+    assert_eq!(shown(&folder, "", pixels), [paper, top, paper]);
+    // In the hole: top and bottom of what is cut away, and of what cuts. Each leaves 0.7 of what is behind it.
+    let cut = [214, 193, 82];
+    assert_eq!(shown(&folder, "--glass", pixels), [cut, top, paper]);
+    // The hole is from 7.1955 to 8.8045: 9 of 16 finer pixels.
+    assert_eq!(shown(&folder, "--antialias 4", pixels), [[231, 219, 144], top, paper]);
+
+    // A red sheet of 8.04 px over the cube.
+    let sheet = "color([1, 0, 0, 1]) { multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 20], [0, 0, 0, 1]]) { cube(size = [20, 20, 2], center = true); } }";
+    folder.put("m.csg", &format!("cube(size = [10, 10, 10], center = true);\n{sheet}\n"));
+    let pixels = [(7, 7), (4, 4), (3, 3)];
+    assert_eq!(shown(&folder, "", pixels), [[205, 0, 0], [205, 0, 0], paper]);
+    assert_eq!(shown(&folder, "--translucent 2", pixels), [[203, 85, 17], [230, 125, 112], paper]);
+}
+
+#[test]
+fn edges_by_hand() {
+    let folder = Folder::new();
+    folder.put("m.csg", MODEL);
+    let out = folder.run(&format!("solid m.csg {ABOVE} --format ppm --edges")).done().to_vec();
+    let rgb = out.strip_prefix(b"P6\n16 16\n255\n").unwrap();
+    let rows: Vec<String> = rgb
+        .chunks(48)
+        .map(|row| {
+            row.chunks(3)
+                .map(|pixel| {
+                    if pixel == [0; 3] {
+                        '#'
+                    } else if pixel == [201, 173, 35] {
+                        'o'
+                    } else {
+                        '.'
+                    }
+                })
+                .collect()
+        })
+        .collect();
+    let expected = ["......#####.....", "......#####.....", "......##.##.....", "......###o#.....", "......####......"];
+    assert_eq!(rows[6..11], expected);
+    assert!(rows[..6].iter().chain(&rows[11..]).all(|row| row == "................"), "{rows:?}");
 }
 
 #[test]

@@ -33,6 +33,10 @@ fn pictures_are_those_of_the_command_line() {
         --section 0,0,1,2.5 --lines 10..100 --format ppm";
     let options: Vec<&str> = options.split_whitespace().chain(["--colorscheme", "Tomorrow Night"]).collect();
     assert!(server.solid(query, CSG, MODEL).ok(200).body == by_command_line(MODEL.as_bytes(), &options));
+    let query = "?imgsize=80,60&antialias=2&smooth=30&edges=20&translucent=2&translucent=1,1-1&glass=true&format=ppm";
+    let options =
+        ["--imgsize", "80,60", "--antialias", "2", "--smooth", "30", "--edges=20", "--translucent", "2,1", "--glass", "--format", "ppm"];
+    assert!(server.solid(query, CSG, MODEL).ok(200).body == by_command_line(MODEL.as_bytes(), &options));
     let no = "?imgsize=90,90&viewall=false&autocenter=false&camera=0,0,0,55,0,25,60&format=ppm";
     let options = ["--imgsize", "90,90", "--camera", "0,0,0,55,0,25,60", "--format", "ppm"];
     assert!(server.solid(no, CSG, MODEL).ok(200).body == by_command_line(MODEL.as_bytes(), &options));
@@ -70,6 +74,11 @@ fn what_is_wrong_with_a_model_is_told_in_one_form() {
         "?curves=smooth",
         "?section=0,0,0,1",
         "?section=1,0,0,0&section=x",
+        "?antialias=0",
+        "?antialias=9",
+        "?smooth=181",
+        "?edges=-1",
+        "?translucent=0",
         "?lines=5..5",
         "?format=bmp",
     ] {

@@ -8,6 +8,7 @@ use super::super::problem::Problem;
 use super::{format_name, lines, read, take};
 use crate::job::{self, SolidOptions};
 use crate::solid::camera::Setup;
+use crate::solid::look::Look;
 use crate::solid::shade::SCHEMES;
 
 /// The query of a picture of a model.
@@ -43,6 +44,25 @@ pub struct SolidParams {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[param(max_items = 16)]
     pub section: Vec<String>,
+    /// Every pixel is the mean of N x N finer ones
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(minimum = 1, maximum = 8)]
+    pub antialias: Option<u32>,
+    /// Faces are shaded as one surface where they meet at less than so many degrees
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(minimum = 0, maximum = 180)]
+    pub smooth: Option<f64>,
+    /// Lines where a surface ends, or its faces meet at more than so many degrees
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(minimum = 0, maximum = 180)]
+    pub edges: Option<f64>,
+    /// Primitives that are shown as glass, by their numbers, counted from 1: 3, or 2-5. May be given several times
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[param(max_items = 1000)]
+    pub translucent: Vec<String>,
+    /// What is cut away is shown as glass
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glass: Option<bool>,
     /// Name of the format
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(schema_with = format_name)]
@@ -85,7 +105,8 @@ impl SolidParams {
     /// Unknown names; values that are none of theirs.
     pub fn read(query: &str) -> Result<SolidParams, Problem> {
         let (section, rest) = take(query, "section");
-        Ok(SolidParams { section, ..read(&rest)? })
+        let (translucent, rest) = take(&rest, "translucent");
+        Ok(SolidParams { section, translucent, ..read(&rest)? })
     }
 
     /// What they ask of a model.
@@ -93,11 +114,8 @@ impl SolidParams {
     /// # Errors
     /// Values out of bounds.
     pub fn options(&self) -> Result<SolidOptions, Problem> {
-        fn given<T>(name: &str, text: Option<&String>, read: impl Fn(&str) -> Result<T, String>) -> Result<Option<T>, Problem> {
-            text.map(|text| read(text).map_err(|what| Problem::malformed(format!("{name} is {text:?}: {what}")))).transpose()
-        }
         let Setup { width, height, .. } = Setup::default();
-        let (width, height) = given("imgsize", self.imgsize.as_ref(), job::image_size)?.unwrap_or((width, height));
+        let (width, height) = given("imgsize", self.imgsize.as_deref(), job::image_size)?.unwrap_or((width, height));
         let scheme = |name: &str| {
             let names = || SCHEMES.iter().map(|scheme| scheme.name).collect::<Vec<_>>().join(", ");
             SCHEMES.iter().find(|scheme| scheme.name == name).ok_or_else(|| format!("give one of {}", names()))
@@ -105,19 +123,37 @@ impl SolidParams {
         let sections = self.section.iter().map(|text| given("section", Some(text), job::section));
         Ok(SolidOptions {
             setup: Setup {
-                camera: given("camera", self.camera.as_ref(), job::camera)?,
+                camera: given("camera", self.camera.as_deref(), job::camera)?,
                 orthographic: self.projection == Some(Projection::Orthographic),
                 view_all: self.viewall == Some(true),
                 autocenter: self.autocenter == Some(true),
                 width,
                 height,
             },
-            scheme: *given("colorscheme", self.colorscheme.as_ref(), scheme)?.unwrap_or(&SCHEMES[0]),
+            scheme: *given("colorscheme", self.colorscheme.as_deref(), scheme)?.unwrap_or(&SCHEMES[0]),
             sections: sections.filter_map(Result::transpose).collect::<Result<_, _>>()?,
+            look: self.look()?,
             lines: lines(self.lines.as_deref())?,
             ..SolidOptions::default()
         })
     }
+
+    /// How it looks.
+    fn look(&self) -> Result<Look, Problem> {
+        let translucent = self.translucent.iter().flat_map(|list| list.split(',')).map(|text| given("translucent", Some(text), job::parts));
+        Ok(Look {
+            antialias: self.antialias.unwrap_or(1),
+            smooth: self.smooth,
+            edges: self.edges,
+            translucent: translucent.filter_map(Result::transpose).collect::<Result<_, _>>()?,
+            glass: self.glass == Some(true),
+        })
+    }
+}
+
+/// A value that is given as text.
+fn given<T>(name: &str, text: Option<&str>, read: impl Fn(&str) -> Result<T, String>) -> Result<Option<T>, Problem> {
+    text.map(|text| read(text).map_err(|what| Problem::malformed(format!("{name} is {text:?}: {what}")))).transpose()
 }
 
 #[cfg(test)]
@@ -137,6 +173,10 @@ mod tests {
         assert_eq!(asked.setup.camera, Some(Camera::Vector([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])));
         assert_eq!((asked.scheme.name, asked.sections.len(), asked.sections[0].offset), ("Tomorrow Night", 2, -2.0));
         assert_eq!(options("").unwrap().setup, Setup::default());
+        assert_eq!(options("").unwrap().look, Look::default());
+        let look = options("antialias=4&smooth=30&edges=12.5&translucent=3&translucent=5-7,1&glass=true").unwrap().look;
+        let expected = Look { antialias: 4, smooth: Some(30.0), edges: Some(12.5), translucent: vec![3..=3, 5..=7, 1..=1], glass: true };
+        assert_eq!(look, expected);
         for query in [
             "imgsize=300",
             "imgsize=0,5",
@@ -150,6 +190,14 @@ mod tests {
             "curves=smooth",
             "section=0,0,0,1",
             "section=1,0,0,1&section=",
+            "antialias=x",
+            "antialias=-1",
+            "smooth=x",
+            "edges",
+            "translucent=0",
+            "translucent=1,",
+            "translucent=3-2",
+            "glass=1",
             "lines=5..5",
             "expr=a",
             "kind=solid",
