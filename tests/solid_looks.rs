@@ -162,8 +162,9 @@ fn layers_of_glass_are_all_faces_in_front() {
                 for (x, (shown, layers)) in shown.into_iter().zip(layers).enumerate() {
                     let (ray, seen) = (&rays[y as usize][x], seen[y as usize][x]);
                     assert_eq!(shown.map(|shown| shown.0), seen.map(|seen| seen.1), "round {round}, {x}, {y}");
-                    let ahead =
-                        ray.iter().filter(|hit| glass[stage.faces[hit.0 as usize].part as usize] && seen.is_none_or(|seen| hit.2 > seen.2));
+                    let ahead = ray
+                        .iter()
+                        .filter(|hit| glass[stage.faces[hit.0 as usize].origin.part as usize] && seen.is_none_or(|seen| hit.2 > seen.2));
                     let expected: Vec<(u32, bool)> = ahead.map(|hit| (hit.0, hit.1 < 0)).collect();
                     layered += usize::from(expected.len() > 1);
                     assert_eq!(layers, expected, "round {round}, {x}, {y}, {bits:05b}");
@@ -206,7 +207,7 @@ fn colours_behind_glass_are_those_of_its_layers() {
                 let near = seen[y][x].map(|seen| seen.2);
                 let ahead: Vec<_> = rays[y][x]
                     .iter()
-                    .filter(|hit| glass[whole.faces[hit.0 as usize].part as usize] && near.is_none_or(|near| hit.2 > near))
+                    .filter(|hit| glass[whole.faces[hit.0 as usize].origin.part as usize] && near.is_none_or(|near| hit.2 > near))
                     .collect();
                 if ahead.is_empty() {
                     assert_eq!(shown, behind[y][x], "round {round}, {x}, {y}");
@@ -218,7 +219,7 @@ fn colours_behind_glass_are_those_of_its_layers() {
                     let mut layer = flat.of(face, false);
                     if let Some(shading) = shading.as_mut().filter(|shading| !shading.is_flat(face)) {
                         shading.along(face, turns < 0, y as u32, x as u32..x as u32 + 1, |_, cosine| {
-                            layer = lit(flat.of_part(whole.faces[face as usize].part, false), cosine.expect("a direction"));
+                            layer = lit(flat.of_part(whole.faces[face as usize].origin, false), cosine.expect("a direction"));
                         });
                     }
                     colour.iter_mut().zip(channels(layer)).for_each(|(under, layer)| *under += (layer - *under) * OPACITY);
@@ -303,7 +304,7 @@ fn bumpy(random: &mut Random, n: u32) -> Mesh {
             .collect();
     }
     let points = points.into_iter().map(|p| (p * (2.0 + random.unit() * 0.4)).to_array()).collect();
-    Mesh { points, faces: faces.iter().map(|ring| Face { rings: vec![ring.to_vec()] }).collect() }
+    Mesh { points, faces: faces.iter().map(|ring| Face { rings: vec![ring.to_vec()], origin: None }).collect() }
 }
 
 /// From the definitions: normals of corners by walking around them, and where the ray of a pixel meets the triangle.

@@ -325,7 +325,7 @@ fn render_is_worked_out_from_the_inside_to_the_outside() {
     let sections = [vec![], vec![runset::solid::body::Plane { normal: DVec3::Z, offset: 0.9 }]];
     for sections in sections {
         let [first, second] = [&before, &reading.model].map(|model| {
-            let kept = Kept::new(model, &mut Vec::new());
+            let kept = Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap();
             let job =
                 Job::solid(&kept, &SolidOptions { setup: setup.clone(), sections: sections.clone(), ..SolidOptions::default() }).unwrap();
             let mut bytes = Vec::new();
