@@ -20,7 +20,7 @@ use runset::mesh::boolean::surface;
 use runset::mesh::check::closed;
 use runset::mesh::surface::Surface;
 use runset::mesh::{IDENTITY, Mesh, Model, Origin, Part};
-use runset::scene::{Area, Formula, Gate, Limits};
+use runset::scene::{Area, Formula, Gate};
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::savings::Savings;
 use runset::solid::spans::Spans;
@@ -98,7 +98,7 @@ fn random_boxes(random: &mut Random) -> (Model, Vec<[[u64; 2]; 3]>) {
 #[test]
 fn volumes_of_boxes_are_sums_of_cells() {
     let mut random = Random(11);
-    let mut empty = 0;
+    let (mut empty, mut most) = (0, 0.0_f64);
     for case in 0..400 * effort() {
         let (model, boxes) = random_boxes(&mut random);
         let inside = |x: u64, y: u64, z: u64| {
@@ -106,12 +106,15 @@ fn volumes_of_boxes_are_sums_of_cells() {
         };
         let cells = (0..SIDE.pow(3)).filter(|i| inside(i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE)).count();
         let turn = DQuat::from_euler(glam::EulerRot::XYZ, random.unit() * 6.0, random.unit() * 6.0, random.unit() * 6.0);
-        for turned in [model.clone(), moved(&model, turn, DVec3::new(1.0, -20.0, 3.0))] {
-            let solid = worked_out(&turned);
-            assert!((solid.volume() - cells as f64).abs() < 1e-9, "{case}: {} and {cells}", solid.volume());
+        // Turned, faces that should coincide are askew by rounding, and where they meet is told to a part of their length that is far less exact.
+        for (model, tolerance) in [(&model, 1e-12), (&moved(&model, turn, DVec3::new(1.0, -20.0, 3.0)), 1e-4)] {
+            let off = (worked_out(model).volume() - cells as f64).abs();
+            assert!(off <= tolerance, "{case}: {off} of {cells}");
+            most = most.max(off);
         }
         empty += u64::from(cells == 0);
     }
+    println!("off by {most:e} at most");
     assert!(empty > 0);
 }
 
@@ -293,7 +296,7 @@ fn workloads_look_the_same_worked_out_and_have_their_colours() {
         let again = whole(&model);
         let view = view(300, 300, DVec3::from_array(eye), DVec3::from_array(target), Projection::Perspective { focal: 500.0, near: 0.05 });
         let [first, second] = [&model, &again].map(|model| pixels(&stage(model, view, &[])));
-        let kept = [&model, &again].map(|model| Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap());
+        let kept = [&model, &again].map(|model| Kept::new(model, &mut Vec::new()));
         println!("{name}: {} parts with {} faces become {} with {}", kept[0].parts(), kept[0].faces(), kept[1].parts(), kept[1].faces());
         assert_eq!(different(&first, &second), (0, 0), "{name}");
         assert_eq!(kept[1].parts(), 1);
@@ -325,7 +328,7 @@ fn render_is_worked_out_from_the_inside_to_the_outside() {
     let sections = [vec![], vec![runset::solid::body::Plane { normal: DVec3::Z, offset: 0.9 }]];
     for sections in sections {
         let [first, second] = [&before, &reading.model].map(|model| {
-            let kept = Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap();
+            let kept = Kept::new(model, &mut Vec::new());
             let job =
                 Job::solid(&kept, &SolidOptions { setup: setup.clone(), sections: sections.clone(), ..SolidOptions::default() }).unwrap();
             let mut bytes = Vec::new();
@@ -347,4 +350,35 @@ fn an_empty_model_has_no_stl() {
     // So small that 32 bits hold none of it.
     let tiny = two(cube([0.0; 3], [1e-60; 3]), part(cube([0.0; 3], [1e-60; 3]), IDENTITY), |f, a, b| f.any(&[a, b]));
     assert!(stl(&tiny, &mut Vec::new()).unwrap_err().what.contains("empty"));
+}
+
+#[test]
+fn any_triangles_make_a_closed_surface_or_an_error() {
+    let mut random = Random(77);
+    let (mut made, mut refused) = (0, 0);
+    for case in 0..300 * effort() {
+        let n = 3 + random.below(6);
+        let snapped = random.below(2) == 0;
+        let number = |random: &mut Random| if snapped { random.below(3) as f64 } else { random.unit() * 3.0 };
+        let points: Vec<[f64; 3]> = (0..n).map(|_| [0; 3].map(|_| number(&mut random))).collect();
+        let faces = (0..1 + random.below(12)).map(|_| runset::mesh::Face::new(vec![[0; 3].map(|_| random.below(n) as u32).to_vec()]));
+        let mesh = Mesh { points, faces: faces.collect() };
+        let model = two(mesh, part(cube([0.5; 3], [2.0; 3]), IDENTITY), |f, a, b| {
+            let either = f.odd(&[a, b]);
+            f.any(&[either, a])
+        });
+        match surface(&model, model.area, &mut Vec::new()) {
+            Ok(solid) => {
+                made += 1;
+                let checked = closed(&part(triangles(&solid), IDENTITY));
+                assert_eq!((checked.open_edges, checked.inside_out), (0, false), "{case}");
+            }
+            Err(error) => {
+                refused += 1;
+                assert_eq!(error.kind, Kind::Refused, "{case}: {error}");
+            }
+        }
+    }
+    println!("{made} made, {refused} refused");
+    assert!(made > refused);
 }

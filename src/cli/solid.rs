@@ -16,9 +16,8 @@ use super::input::Source;
 use super::messages::{Ends, Failure};
 use super::output::{Output, Target};
 use super::progress::Progress;
-use super::values;
 use super::work::Work;
-use super::{scad, surface};
+use super::{scad, surface, values};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -38,6 +38,9 @@ impl Job {
     pub fn pick(&self, x: u32, y: u32) -> Option<Pick> {
         let Source::Solid(stage, _) = &self.source else { return None };
         let view = &stage.view;
+        // Of a pixel that is a mean the finer one in its middle.
+        let n = view.width / self.header.width;
+        let [x, y] = [x, y].map(|at| at.saturating_mul(n).saturating_add(n / 2));
         if x >= view.width || y >= view.height {
             return None;
         }

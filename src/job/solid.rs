@@ -117,17 +117,16 @@ impl Job {
     pub fn solid(model: &Kept, options: &SolidOptions) -> Result<Job> {
         let header = options.header()?;
         let Kept { body, program, leaves, colours, pairs, .. } = model;
-        let look = &options.look;
-        let view = model.view(&options.finer()?);
-        let program = opaque(program, leaves, look, colours.len())?;
-        let savings = Savings { boxes: !look.has_glass(), ..Savings::default() };
+        let (view, look) = (model.view(&options.finer()?), &options.look);
+        let (program, glass) = glass_of(program, leaves, look, colours.len())?;
+        let savings = Savings { boxes: glass.is_empty(), ..Savings::default() };
         let stage = Stage::new(body, program, leaves, view, &options.sections, savings);
         // A scanline compares the faces at an edge with each other, so at worst all with all.
         let most = stage.edges.peak();
         if u64::from(most).pow(2) / 4 > *pairs {
             return Err(Error::input(Kind::Limit, format!("a scanline meets {most} edges: use a coarser model, or a part of it")));
         }
-        let paint = Paint::new(&stage, body, colours, &options.scheme, look);
+        let paint = Paint::new(&stage, body, colours, &options.scheme, look, glass);
         Ok(Job {
             edges: stage.edges.len() as u64,
             source: Source::Solid(Arc::new(stage), Arc::new(paint)),
@@ -222,21 +221,22 @@ fn check_look(look: &Look) -> Result<()> {
     Ok(())
 }
 
-/// The program of what is opaque, in a model of so many parts.
-fn opaque(program: &Program, leaves: &[(usize, Node)], look: &Look, parts: usize) -> Result<Program> {
-    let named = look.translucent.iter().flat_map(|range| [*range.start(), *range.end()]);
-    if let Some(wrong) = named.into_iter().find(|&number| number == 0 || number as usize > parts) {
-        return Err(Error::parameter(format!(
+/// The program of what is opaque in a model of so many parts, and which of its leaves are glass; none if there is no glass.
+fn glass_of(program: &Program, leaves: &[(usize, Node)], look: &Look, parts: usize) -> Result<(Program, Arc<[bool]>)> {
+    let numbers = look.translucent.iter().flat_map(|range| [*range.start(), *range.end()]);
+    if let Some(wrong) = { numbers }.find(|&number| number == 0 || number as usize > parts) {
+        let what = format!(
             "there is no translucent part {wrong}: give numbers from 1 to {parts}, in the order in which runset info lists primitives"
-        )));
+        );
+        return Err(Error::parameter(what));
     }
-    let glass = look.parts_of_glass(parts);
-    if glass.is_empty() {
-        return Ok(program.clone());
+    let (named, mut glass) = (look.named(parts), vec![false; program.leaves()]);
+    leaves.iter().for_each(|&(part, leaf)| glass[leaf as usize] = named[part]);
+    let opaque = if look.translucent.is_empty() { program.clone() } else { glass::without(program, &glass) };
+    if look.glass {
+        glass.fill(true);
     }
-    let mut of_leaves = vec![false; program.leaves()];
-    leaves.iter().for_each(|&(part, leaf)| of_leaves[leaf as usize] = glass[part]);
-    Ok(glass::without(program, &of_leaves))
+    Ok((opaque, if glass.contains(&true) { glass.into() } else { Arc::default() }))
 }
 
 /// Whether a camera sees anything.

@@ -21,7 +21,7 @@ use manifold_rust::types::{BooleanEngine, MeshGL64, OpType, WindingRule};
 use super::check::{Placed, closed};
 use super::surface::{Surface, Triangle};
 use super::triangles::triangles;
-use super::{Mesh, Model, Origin};
+use super::{Mesh, Model, Origin, cross, minus};
 use crate::error::{Error, Kind, Result, Warning};
 use crate::scene::{Area, Gate, Input};
 
@@ -33,6 +33,9 @@ pub const MOST_WORK: u64 = 100_000_000;
 
 /// What a step takes that has no triangles.
 const STEP: u64 = 20;
+
+/// Fewer triangles with an area enclose nothing.
+const LEAST: usize = 4;
 
 /// What lies within a surface, or outside of it.
 #[derive(Clone)]
@@ -213,8 +216,11 @@ impl<'m> Work<'m> {
         let Placed { mesh: Mesh { points, faces }, .. } = placed;
         self.origins[index as usize] = faces.iter().map(|face| face.origin.unwrap_or(Origin { turned: false, part: index })).collect();
         let mut mesh = MeshGL64 { num_prop: 3, vert_properties: points.concat(), run_original_id: vec![index], ..MeshGL64::default() };
+        let mut wide = 0;
         for (face, i) in faces.iter().zip(0_u64..) {
             for corners in triangles(&points, face) {
+                let [a, b, c] = corners.map(|i| points[i as usize]);
+                wide += usize::from(cross(minus(b, a), minus(c, a)) != [0.0; 3]);
                 mesh.tri_verts.extend(corners.map(u64::from));
                 mesh.face_id.push(i);
             }
@@ -222,7 +228,7 @@ impl<'m> Work<'m> {
         if mesh.face_id.len() > MOST_TRIANGLES {
             return Err(place(too_many()));
         }
-        let mut solid = if mesh.face_id.is_empty() { Manifold::empty() } else { Manifold::from_mesh_gl64_robust(&mesh) };
+        let mut solid = if wide < LEAST { Manifold::empty() } else { Manifold::from_mesh_gl64_robust(&mesh) };
         if !solid.is_empty() && solid.has_self_intersections() {
             solid = solid.rebuild_solid(WindingRule::Positive);
         }

@@ -1,6 +1,6 @@
 //! Smooth surfaces: a normal for every corner of every face, and triangles over which it is interpolated.
 //!
-//! Faces of a part that share an edge are *joined* there if the angle between their normals is below a limit. The normal at a corner of a face is the mean over the faces around
+//! Faces of a part's surface that share an edge are *joined* there if the angle between their normals is below a limit. The normal at a corner of a face is the mean over the faces around
 //! it that are joined to it, one to the next; each counts as much as its angle there, so that it does not matter how a plane is cut into faces:
 //!
 //! ```text
@@ -51,8 +51,10 @@ impl Corners {
         let least = angle.to_radians().cos();
         let mut groups = Groups((0..halves.from.len() as u32).collect());
         for &[there, back] in &halves.pairs {
-            let [one, other] = [there, back].map(|half| halves.normals[halves.face[half as usize] as usize]);
-            if one.dot(other) > least {
+            let faces = [there, back].map(|half| halves.face[half as usize] as usize);
+            let [one, other] = faces.map(|face| halves.normals[face]);
+            let [origin, also] = faces.map(|face| body.faces[face].origin);
+            if one.dot(other) > least && origin == also {
                 groups.join(there, halves.next[back as usize]);
                 groups.join(halves.next[there as usize], back);
             }

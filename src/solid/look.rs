@@ -1,7 +1,6 @@
 //! How a model looks, besides its colours.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,22 +24,14 @@ impl Default for Look {
 }
 
 impl Look {
-    /// For each of so many parts whether it is named as glass; none if no part is named.
-    pub fn parts_of_glass(&self, parts: usize) -> Arc<[bool]> {
-        if self.translucent.is_empty() {
-            return Arc::default();
-        }
-        let mut glass = vec![false; parts];
+    /// For each of so many parts whether it is named as glass.
+    pub fn named(&self, parts: usize) -> Vec<bool> {
+        let mut named = vec![false; parts];
         for range in &self.translucent {
             let (start, end) = (range.start().saturating_sub(1) as usize, (*range.end() as usize).min(parts));
-            glass[start.min(end)..end].fill(true);
+            named[start.min(end)..end].fill(true);
         }
-        glass.into()
-    }
-
-    /// Whether there is glass.
-    pub fn has_glass(&self) -> bool {
-        self.glass || !self.translucent.is_empty()
+        named
     }
 }
 

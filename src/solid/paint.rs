@@ -18,14 +18,14 @@ pub struct Paint {
     pub(super) smooth: Option<Arc<Smooth>>,
     /// The least angle of feature edges, in degrees.
     pub(super) edges: Option<f64>,
-    /// For every part whether its faces are glass; none if no part is named.
+    /// For every leaf of the program whether the faces of its part are glass; none if the list is empty.
     pub(super) glass: Arc<[bool]>,
 }
 
 impl Paint {
     /// Of a stage of `body`, whose parts have these colours, or none of their own. The stage's page is [`Look::antialias`] times as large as the picture, and
-    /// if there is glass it counts without it ([`super::glass::without`]).
-    pub fn new(stage: &Stage, body: &Body, parts: &[Option<Rgb>], scheme: &Scheme, look: &Look) -> Paint {
+    /// if there is glass, by the leaves of its program, it counts without what is named ([`super::glass::without`]).
+    pub fn new(stage: &Stage, body: &Body, parts: &[Option<Rgb>], scheme: &Scheme, look: &Look, glass: Arc<[bool]>) -> Paint {
         let smooth = |angle| Arc::new(Smooth::new(body, angle, stage.view, light(&stage.view)));
         Paint {
             colours: Colours::new(stage, parts, scheme),
@@ -33,7 +33,7 @@ impl Paint {
             antialias: look.antialias.max(1),
             smooth: look.smooth.map(smooth),
             edges: look.edges,
-            glass: if look.glass { vec![true; parts.len()].into() } else { look.parts_of_glass(parts.len()) },
+            glass,
         }
     }
 

@@ -89,7 +89,8 @@ impl Colours {
             let normal = DVec3::new(right.dot(normal), down.dot(normal), forward.dot(normal));
             // What is seen of a plane is turned to the eye, whichever side that is.
             let toward = if stage.is_toward(face.plane) { normal } else { -normal };
-            [false, true].map(|inside| lit(side(&parts, face.origin, inside), toward.dot(light)))
+            let sides = parts[face.origin.part as usize];
+            [false, true].map(|inside| lit(sides[usize::from(inside != face.origin.turned)], toward.dot(light)))
         });
         Colours { faces: colours.collect(), parts }
     }
@@ -105,14 +106,9 @@ impl Colours {
         size_of_val(&self.faces[..]) + size_of_val(&self.parts[..])
     }
 
-    /// The colour of a part, in no light.
+    /// The colour of a part's surface, in no light.
     #[inline]
     pub fn of_part(&self, origin: Origin, inside: bool) -> Rgb {
-        side(&self.parts, origin, inside)
+        self.parts[origin.part as usize][usize::from(inside != origin.turned)]
     }
-}
-
-/// The colour of one side of a surface that comes from there, in no light.
-fn side(parts: &[[Rgb; 2]], origin: Origin, inside: bool) -> Rgb {
-    parts[origin.part as usize][usize::from(inside != origin.turned)]
 }

@@ -99,7 +99,7 @@ pub struct Spans {
     spans: Vec<Span>,
     /// Columns at which spans of the scanline were split.
     splits: Vec<u32>,
-    /// For every part whether its faces are glass.
+    /// For every leaf of the program whether the faces of its part are glass.
     glass: Arc<[bool]>,
     /// The layers in front of what is in sight.
     front: Vec<Layer>,
@@ -141,7 +141,7 @@ impl Spans {
         Spans::with_glass(stage, rows, savings, Arc::default())
     }
 
-    /// The scanlines `rows` of a stage, with the layers of parts that are glass; none if no part is named. The stage must be one of whole parts ([`Savings::boxes`]).
+    /// The scanlines `rows` of a stage, with the layers of parts that are glass, by their leaves in the program; none if the list is empty. The stage must be one of whole parts ([`Savings::boxes`]).
     pub fn with_glass(stage: Arc<Stage>, rows: Range<u32>, savings: Savings, glass: Arc<[bool]>) -> Spans {
         // What is known from the scanline above is the face that is seen, and not what is in front of it.
         let savings = Savings { lines: savings.lines && glass.is_empty(), ..savings };
@@ -391,7 +391,7 @@ impl Spans {
         if !self.glass.is_empty() {
             // For as long as this is in sight all that is in front of it stays, and in this order.
             let ahead = self.faces.list()[..visible.front].iter().take_while(|active| shown.is_none_or(|shown| active.near > shown.near));
-            let is_glass = |active: &&Active| self.glass[stage.faces[active.face as usize].origin.part as usize];
+            let is_glass = |active: &&Active| self.glass[stage.faces[active.face as usize].leaf as usize];
             self.front.clear();
             self.front.extend(ahead.filter(is_glass).map(|active| (active.face, self.faces.turns(active.face) < 0)));
         }

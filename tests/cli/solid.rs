@@ -228,7 +228,7 @@ fn glass_and_means_by_hand() {
 
     // A red sheet of 8.04 px over the cube.
     let sheet = "color([1, 0, 0, 1]) { multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 20], [0, 0, 0, 1]]) { cube(size = [20, 20, 2], center = true); } }";
-    folder.put("m.csg", &format!("cube(size = [10, 10, 10], center = true);\n{sheet}\n"));
+    folder.put("m.csg", format!("cube(size = [10, 10, 10], center = true);\n{sheet}\n"));
     let pixels = [(7, 7), (4, 4), (3, 3)];
     assert_eq!(shown(&folder, "", pixels), [[205, 0, 0], [205, 0, 0], paper]);
     assert_eq!(shown(&folder, "--translucent 2", pixels), [[203, 85, 17], [230, 125, 112], paper]);
