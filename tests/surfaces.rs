@@ -20,7 +20,7 @@ use runset::mesh::boolean::surface;
 use runset::mesh::check::closed;
 use runset::mesh::surface::Surface;
 use runset::mesh::{IDENTITY, Mesh, Model, Origin, Part};
-use runset::scene::{Area, Formula, Gate};
+use runset::scene::{Area, Formula, Gate, Limits};
 use runset::solid::camera::{Camera, Setup};
 use runset::solid::savings::Savings;
 use runset::solid::spans::Spans;
@@ -296,7 +296,7 @@ fn workloads_look_the_same_worked_out_and_have_their_colours() {
         let again = whole(&model);
         let view = view(300, 300, DVec3::from_array(eye), DVec3::from_array(target), Projection::Perspective { focal: 500.0, near: 0.05 });
         let [first, second] = [&model, &again].map(|model| pixels(&stage(model, view, &[])));
-        let kept = [&model, &again].map(|model| Kept::new(model, &mut Vec::new()));
+        let kept = [&model, &again].map(|model| Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap());
         println!("{name}: {} parts with {} faces become {} with {}", kept[0].parts(), kept[0].faces(), kept[1].parts(), kept[1].faces());
         assert_eq!(different(&first, &second), (0, 0), "{name}");
         assert_eq!(kept[1].parts(), 1);
@@ -328,9 +328,8 @@ fn render_is_worked_out_from_the_inside_to_the_outside() {
     let sections = [vec![], vec![runset::solid::body::Plane { normal: DVec3::Z, offset: 0.9 }]];
     for sections in sections {
         let [first, second] = [&before, &reading.model].map(|model| {
-            let kept = Kept::new(model, &mut Vec::new());
-            let job =
-                Job::solid(&kept, &SolidOptions { setup: setup.clone(), sections: sections.clone(), ..SolidOptions::default() }).unwrap();
+            let kept = Kept::new(model, &Limits::default(), &mut Vec::new()).unwrap();
+            let job = Job::solid(&kept, &SolidOptions { setup, sections: sections.clone(), ..SolidOptions::default() }).unwrap();
             let mut bytes = Vec::new();
             let ppm = runset::encode::by_name("ppm").unwrap();
             job.render(ppm, 1, &mut bytes, &mut |_| {}).unwrap();
