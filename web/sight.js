@@ -204,12 +204,6 @@ export class Sight extends EventTarget {
     this.dispatchEvent(new CustomEvent(name, { detail }));
   }
 
-  /** Asks again for what is there. */
-  again() {
-    this.there = this.finer = undefined;
-    this.show(this.wish, false);
-  }
-
   #resize() {
     this.ratio = devicePixelRatio;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(side * this.ratio));

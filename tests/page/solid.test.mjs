@@ -44,7 +44,10 @@ const bounds = async () => (await (await fetch(`${service.address}/v1/models`)).
 async function shows(page, file, { target, tilt, turn, far }, ...more) {
   const { width, height } = await size(page);
   const camera = [...target, tilt, 0, turn, far].join(",");
-  const expected = picture("solid", file, "--imgsize", `${width},${height}`, `--camera=${camera}`, ...more);
+  // What makes it finer at rest has the names of the command line.
+  const fine = await page.locator("#solid-fine select").evaluateAll((fields) =>
+    fields.filter((field) => field.value).flatMap(({ name, value }) => (value === "true" ? `--${name}` : `--${name}=${value}`)));
+  const expected = picture("solid", file, "--imgsize", `${width},${height}`, `--camera=${camera}`, ...fine, ...more);
   const { compared, different } = compare(await canvas(page, CANVAS), expected, 0, 0);
   assert.equal(compared, width * height);
   assert.ok(new Set(expected.rgb).size > 6, "there is something to compare");
@@ -114,6 +117,15 @@ test("turned, shifted, nearer, cut: the command line's pictures", async () => {
   const [x, y] = [600, 200];
   await page.mouse.move(on.x + x, on.y + y);
   await rests(page, () => page.mouse.wheel(0, -200));
+  await rests(page, () => page.click("#solid-fit"));
+
+  // At rest it is finer, by whatever the service offers.
+  for (const field of await page.locator("#solid-fine select").all()) {
+    if (!(await field.isVisible())) continue;
+    const values = await field.locator("option").evaluateAll((options) => options.map(({ value }) => value));
+    await rests(page, () => field.selectOption(values.at(-1)));
+    assert.equal(await shows(page, file, at, "--projection", "o", "--colorscheme", "Starnight"), 0, values.at(-1));
+  }
   assert.deepEqual(wrong, []);
   await close();
 });
