@@ -380,7 +380,7 @@ test("wide and narrow, light and dark, without a fault that axe knows", async ()
     for (const scheme of ["light", "dark"]) {
       const { page, wrong, close } = await tab(browser, service.address, { width, height: 800, scheme, hash: "#sample=poster.svg&dpi=300&expr=sky+-+sun", allow: [/422/] });
       await page.waitForFunction(() => document.querySelector("#told").textContent.includes("Crossed"));
-      for (const summary of await page.locator("summary").all()) await summary.click();
+      for (const summary of await page.locator("#plane summary").all()) await summary.click();
       await page.click("#keep");
       await page.waitForSelector(".job");
       await AxeBuilder(page, `${width} ${scheme}`);
