@@ -188,7 +188,7 @@ fn a_hundred_megabytes() {
     let rect =
         |i: usize| format!("<rect id='r{i}' x='{}' y='{}' width='3' height='2' fill='#{:06x}'/>\n", i * 7 % 997, i * 11 % 991, i % 4096);
     let inputs = [
-        ("100 MB of path data", path(100_000_000, "id='p'", ""), [7, 20], 80),
+        ("100 MB of path data", path(100_000_000, "id='p'", ""), [7, 21], 80),
         ("100 MB of a map", svg(&map), [4, 15], 60),
         ("900,000 rectangles", svg(&(0..900_000).map(rect).collect::<String>()), [24, 24], 200),
     ];
