@@ -1,5 +1,8 @@
 //! What a query asks of a model.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use utoipa::{IntoParams, ToSchema};
@@ -8,7 +11,7 @@ use super::super::problem::Problem;
 use super::{format_name, lines, read, take};
 use crate::job::{self, SolidOptions};
 use crate::solid::camera::Setup;
-use crate::solid::look::Look;
+use crate::solid::look::{Look, MAX_ANTIALIAS};
 use crate::solid::shade::SCHEMES;
 
 /// The query of a picture of a model.
@@ -142,12 +145,23 @@ impl SolidParams {
     fn look(&self) -> Result<Look, Problem> {
         let translucent = self.translucent.iter().flat_map(|list| list.split(',')).map(|text| given("translucent", Some(text), job::parts));
         Ok(Look {
-            antialias: self.antialias.unwrap_or(1),
-            smooth: self.smooth,
-            edges: self.edges,
+            antialias: within("antialias", self.antialias, 1..=MAX_ANTIALIAS)?.unwrap_or(1),
+            smooth: within("smooth", self.smooth, 0.0..=180.0)?,
+            edges: within("edges", self.edges, 0.0..=180.0)?,
             translucent: translucent.filter_map(Result::transpose).collect::<Result<_, _>>()?,
             glass: self.glass == Some(true),
         })
+    }
+}
+
+/// A number that must be within bounds.
+fn within<T: PartialOrd + Display>(name: &str, number: Option<T>, bounds: RangeInclusive<T>) -> Result<Option<T>, Problem> {
+    let (least, most) = (bounds.start(), bounds.end());
+    match number {
+        Some(number) if !bounds.contains(&number) => {
+            Err(Problem::malformed(format!("{name} is {number}: give a number from {least} to {most}")))
+        }
+        _ => Ok(number),
     }
 }
 
