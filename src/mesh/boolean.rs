@@ -1,6 +1,6 @@
 //! An area of a model worked out to a surface: the points of space that its formula fills, as triangles around them.
 //!
-//! Two meshes are combined by `manifold-rust`, which gives closed surfaces whatever touches or coincides; here the formula becomes pairs of meshes. A [`Region`] is
+//! Two meshes are combined by `manifold-rust`, which gives closed surfaces whatever touches or coincides; here the formula becomes pairs of meshes. A `Region` is
 //! what lies within a surface, or all that lies outside of it, so complements cost nothing, and every gate is intersections of regions:
 //!
 //! ```text
@@ -28,7 +28,7 @@ use crate::scene::{Area, Gate, Input};
 /// Most triangles of a mesh, one that is given or one that is worked out.
 pub const MOST_TRIANGLES: usize = 2_000_000;
 
-/// Most triangles that all booleans of an area take, those of every step, with [`STEP`] more for each.
+/// Most triangles that all booleans of an area take, those of every step, with `STEP` more for each.
 pub const MOST_WORK: u64 = 100_000_000;
 
 /// What a step takes that has no triangles.
