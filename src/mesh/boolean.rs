@@ -13,15 +13,16 @@
 //!
 //! What a part fills is what the engine counts: the points that its surface winds around at least once. Parts that meet themselves are made simple first,
 //! in rational numbers, which is slow; all that follows is in doubles, symbolically perturbed, as in Manifold (Julian Smith, "Towards Robust Inexact
-//! Geometric Computation", Cambridge 2009).
+//! Geometric Computation", Cambridge 2009). Doubles alone go wrong where many faces of turned operands should coincide and are askew by rounding, so every step is held against
+//! another, and what does not add up is done again in rational numbers.
 
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, MeshGL64, OpType, WindingRule};
 
 use super::check::{Placed, closed};
-use super::surface::{Surface, Triangle};
+use super::surface::{Surface, THIN, Triangle};
 use super::triangles::triangles;
-use super::{Mesh, Model, Origin, cross, minus};
+use super::{Mesh, Model, Origin, cross, dot, length, minus};
 use crate::error::{Error, Kind, Result, Warning};
 use crate::scene::{Area, Gate, Input};
 
@@ -202,7 +203,7 @@ impl<'m> Work<'m> {
             (OpType::Intersect, true, _) | (OpType::Subtract, _, true) | (OpType::Add, _, true) => a.clone(),
             (OpType::Intersect, _, true) | (OpType::Add, true, _) => b.clone(),
             (OpType::Subtract, true, _) => a.clone(),
-            _ => a.boolean_with_engine(b, op, BooleanEngine::Exact),
+            _ => checked(a, b, op),
         };
         sound(solid)
     }
@@ -250,6 +251,56 @@ impl<'m> Work<'m> {
             }
         }
         surface.without_slivers()
+    }
+}
+
+/// Two meshes combined in doubles, or in rational numbers where the doubles are wrong. Each result is held against the one that has the other pieces of the two surfaces, so that
+/// no piece can be wrong in both:
+///
+/// ```text
+/// |a or b| + |a and b| = |a| + |b|        |a - b| - |b - a| = |a| - |b|
+/// ```
+fn checked(a: &Manifold, b: &Manifold, op: OpType) -> Manifold {
+    let quick = |a: &Manifold, b: &Manifold, op| a.boolean_with_engine(b, op, BooleanEngine::Exact);
+    let (solid, other, sign) = match op {
+        OpType::Add => (quick(a, b, op), quick(a, b, OpType::Intersect), 1.0),
+        OpType::Subtract => (quick(a, b, op), quick(b, a, op), -1.0),
+        OpType::Intersect => (quick(a, b, op), quick(a, b, OpType::Add), 1.0),
+    };
+    let [of_a, of_b, of_solid, of_other] = [a, b, &solid, &other].map(Measure::of);
+    let off = of_solid.volume + sign * of_other.volume - of_a.volume - sign * of_b.volume;
+    if off.abs() <= of_a.rounding() + of_b.rounding() { solid } else { a.boolean_with_engine(b, op, BooleanEngine::Robust) }
+}
+
+/// What a mesh measures.
+struct Measure {
+    volume: f64,
+    area: f64,
+    farthest: f64,
+}
+
+impl Measure {
+    fn of(solid: &Manifold) -> Measure {
+        let mesh = solid.as_impl();
+        let point = |i: usize| {
+            let p = mesh.vert_pos[i];
+            [p.x, p.y, p.z]
+        };
+        let mut measure = Measure { volume: 0.0, area: 0.0, farthest: 0.0 };
+        for corners in mesh.halfedge.chunks_exact(3) {
+            // From a corner of the mesh: what is far from the origin would lose digits.
+            let origin = point(mesh.halfedge[0].start_vert as usize);
+            let [a, b, c] = [0, 1, 2].map(|i| minus(point(corners[i].start_vert as usize), origin));
+            measure.volume += dot(a, cross(b, c)) / 6.0;
+            measure.area += length(cross(minus(b, a), minus(c, a))) / 2.0;
+        }
+        measure.farthest = mesh.vert_pos.iter().fold(0.0, |most, p| most.max(p.x.abs()).max(p.y.abs()).max(p.z.abs()));
+        measure
+    }
+
+    /// How much its volume may be off by rounding alone.
+    fn rounding(&self) -> f64 {
+        1e-10 * self.volume.abs() + THIN * self.farthest * self.area
     }
 }
 

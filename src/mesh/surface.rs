@@ -8,6 +8,9 @@ use super::{Face, Mesh, Origin, Point, cross, dot, length, minus};
 /// How thick a piece of a surface is at least, its volume over its area, in terms of the greatest coordinate.
 pub const THIN: f64 = 1e-11;
 
+/// How large it is at least, as the side of a cube of its volume, in the same terms. Coordinates of an STL are given to 6e-8.
+const SMALL: f64 = 1e-6;
+
 /// A triangle, counterclockwise as seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Triangle {
@@ -40,7 +43,8 @@ impl Surface {
         self.triangles.iter().map(sixth).sum()
     }
 
-    /// Leaves out pieces that are closed by themselves and thinner than [`THIN`]: where faces of turned operands should coincide, rounding leaves them there.
+    /// Leaves out pieces that are closed by themselves and thinner than [`THIN`] or smaller than a cube of [`SMALL`]: where faces of turned operands should coincide,
+    /// rounding leaves them there.
     pub fn without_slivers(mut self) -> Surface {
         let Some(&origin) = self.points.first() else { return self };
         let farthest = self.points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -60,7 +64,7 @@ impl Surface {
         }
         self.triangles.retain(|triangle| {
             let [volume, area] = pieces[root(&mut first, triangle.corners[0]) as usize];
-            volume.abs() > THIN * farthest * area
+            volume.abs() > (THIN * farthest * area).max((SMALL * farthest).powi(3))
         });
         self
     }
