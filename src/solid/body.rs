@@ -114,8 +114,10 @@ impl Body {
 #[derive(Default)]
 struct Raw {
     points: Vec<DVec3>,
-    /// Part, origin and ring ends of every face.
-    faces: Vec<(u32, Origin, Vec<usize>)>,
+    /// Part, origin and number of rings of every face.
+    faces: Vec<(u32, Origin, usize)>,
+    /// Where every ring ends in `corners`.
+    ends: Vec<usize>,
     /// Corners of all rings of all faces.
     corners: Vec<u32>,
 }
@@ -125,73 +127,115 @@ impl Raw {
         let before = self.points.len() as u32;
         self.points.extend(mesh.points.iter().map(|&p| DVec3::from_array(p)));
         for face in &mesh.faces {
-            let mut ends = Vec::with_capacity(face.rings.len());
             for ring in &face.rings {
                 self.corners.extend(ring.iter().map(|&corner| before + corner));
-                ends.push(self.corners.len());
+                self.ends.push(self.corners.len());
             }
-            self.faces.push((part, face.origin.unwrap_or(Origin { turned: false, part }), ends));
+            self.faces.push((part, face.origin.unwrap_or(Origin { turned: false, part }), face.rings.len()));
         }
     }
 
     fn finish(self, model: &Model, pairs: u64) -> Result<Body> {
-        let Raw { points, faces, mut corners } = self;
-        let bounds = points
+        let bounds = self
+            .points
             .iter()
             .fold(None, |bounds: Option<(DVec3, DVec3)>, &p| Some(bounds.map_or((p, p), |(least, most)| (least.min(p), most.max(p)))));
         let (least, most) = bounds.unwrap_or_default();
         let space = Space::new(least, most, pairs);
-
-        let (points, point_of) = space.distinct_points(&points);
-        corners.iter_mut().for_each(|corner| *corner = point_of[*corner as usize]);
-
-        // Faces as rings of distinct corners, with their areas.
-        let mut flat: Vec<Flat> = Vec::with_capacity(faces.len());
-        let mut start = 0;
-        for (part, origin, ends) in faces {
-            let rings: Vec<Vec<u32>> = ends
-                .iter()
-                .map(|&end| {
-                    let mut ring = corners[std::mem::replace(&mut start, end)..end].to_vec();
-                    ring.dedup();
-                    while ring.len() > 1 && ring.first() == ring.last() {
-                        ring.pop();
-                    }
-                    ring
-                })
-                .filter(|ring| ring.len() > 1)
-                .collect();
-            let area = rings.iter().map(|ring| vector_area(&points, ring)).sum::<DVec3>();
-            if area.length() > space.same * space.same {
-                flat.push(Flat { part, origin, rings, area });
-            }
-        }
-        let (planes, plane_of) = space.distinct_planes(&points, &flat);
-        let faces: Vec<Face> =
-            flat.iter().zip(plane_of).map(|(face, plane)| Face { plane, part: face.part, origin: face.origin }).collect();
-        let mut edges = winged(points.len(), &flat);
+        let (points, point_of) = space.distinct_points(&self.points);
+        let flats = self.flats(&points, &point_of, space.same * space.same);
+        let (planes, plane_of) = space.distinct_planes(&points, &flats);
+        let face = |(flat, plane): (&Flat, u32)| Face { plane, part: flat.part, origin: flat.origin };
+        let faces: Vec<Face> = flats.faces.iter().zip(plane_of).map(face).collect();
+        let mut edges = winged(points.len(), &flats);
         let lines = space.distinct_lines(&points, &faces, &mut edges);
-        let ranks = ranks(model, &points, &flat);
+        let ranks = ranks(model, &points, &flats);
         if space.pairs.get() == 0 {
             let what = format!("its edges and faces are too near to each other, more than {pairs} pairs of them: use a coarser model");
             return Err(Error::input(Kind::Limit, what));
         }
         Ok(Body { points, lines, planes, edges, faces, ranks, bounds })
     }
+
+    /// The faces with an area of more than `least`, as rings of distinct points.
+    fn flats(self, points: &[DVec3], point_of: &[u32], least: f64) -> Flats {
+        let mut flats = Flats::default();
+        let (mut ends, mut start) = (self.ends.iter(), 0);
+        for (part, origin, rings) in self.faces {
+            let (first_ring, first_corner) = (flats.ends.len(), flats.corners.len());
+            let mut area = DVec3::ZERO;
+            for &end in ends.by_ref().take(rings) {
+                let ring = flats.corners.len();
+                for &corner in &self.corners[std::mem::replace(&mut start, end)..end] {
+                    let point = point_of[corner as usize];
+                    if flats.corners[ring..].last() != Some(&point) {
+                        flats.corners.push(point);
+                    }
+                }
+                while flats.corners.len() > ring + 1 && flats.corners[ring] == flats.corners[flats.corners.len() - 1] {
+                    flats.corners.pop();
+                }
+                if flats.corners.len() > ring + 1 {
+                    area += vector_area(points, &flats.corners[ring..]);
+                    flats.ends.push(flats.corners.len());
+                } else {
+                    flats.corners.truncate(ring);
+                }
+            }
+            if area.length() > least {
+                flats.faces.push(Flat { part, origin, area, corners: flats.corners.len(), rings: flats.ends.len() });
+            } else {
+                flats.corners.truncate(first_corner);
+                flats.ends.truncate(first_ring);
+            }
+        }
+        flats
+    }
 }
 
-/// A face while it is looked at.
-pub(super) struct Flat {
+/// Faces while they are looked at.
+#[derive(Default)]
+pub(super) struct Flats {
+    faces: Vec<Flat>,
+    /// Where every ring ends in `corners`.
+    ends: Vec<usize>,
+    /// Corners of all rings of all faces.
+    corners: Vec<u32>,
+}
+
+/// One of them.
+struct Flat {
     part: u32,
     origin: Origin,
-    rings: Vec<Vec<u32>>,
     /// Half of the sum of cross products: along the normal, as long as the area.
-    pub(super) area: DVec3,
+    area: DVec3,
+    /// Where its corners end.
+    corners: usize,
+    /// Where its rings end.
+    rings: usize,
 }
 
-impl Flat {
-    pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
-        self.rings.iter().flatten().copied()
+impl Flats {
+    /// How many faces there are.
+    pub(super) fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Along the normal of a face, as long as its area.
+    pub(super) fn area(&self, face: usize) -> DVec3 {
+        self.faces[face].area
+    }
+
+    /// The corners of all rings of a face.
+    pub(super) fn corners(&self, face: usize) -> &[u32] {
+        let start = face.checked_sub(1).map_or(0, |before| self.faces[before].corners);
+        &self.corners[start..self.faces[face].corners]
+    }
+
+    fn rings(&self, face: usize) -> impl Iterator<Item = &[u32]> {
+        let start = face.checked_sub(1).map_or(0, |before| self.faces[before].rings);
+        let begin = |ring: usize| ring.checked_sub(1).map_or(0, |before| self.ends[before]);
+        (start..self.faces[face].rings).map(move |ring| &self.corners[begin(ring)..self.ends[ring]])
     }
 }
 
@@ -203,12 +247,12 @@ fn vector_area(points: &[DVec3], ring: &[u32]) -> DVec3 {
 }
 
 /// The edges of faces between so many points, two faces at each where they meet in opposite directions.
-fn winged(points: usize, faces: &[Flat]) -> Vec<Edge> {
+fn winged(points: usize, flats: &Flats) -> Vec<Edge> {
     let halves = || {
-        faces.iter().zip(0..).flat_map(|(face, index)| {
-            face.rings.iter().flat_map(move |ring| {
+        (0..flats.len()).flat_map(|face| {
+            flats.rings(face).flat_map(move |ring| {
                 let next = ring.iter().skip(1).chain(ring.first());
-                ring.iter().zip(next).map(move |(&from, &to)| (from, to, index))
+                ring.iter().zip(next).map(move |(&from, &to)| (from, to, face as u32))
             })
         })
     };
@@ -227,7 +271,7 @@ fn winged(points: usize, faces: &[Flat]) -> Vec<Edge> {
     }
     let mut edges = Vec::with_capacity(spread.len() / 2 + 1);
     // Of one part in order, so that parts that touch keep their own edges.
-    let part = |half: &(u32, bool, u32)| faces[half.2 as usize].part;
+    let part = |half: &(u32, bool, u32)| flats.faces[half.2 as usize].part;
     for (least, bucket) in (0..).zip(ends.windows(2)) {
         let halves = &mut spread[bucket[0] as usize..bucket[1] as usize];
         halves.sort_unstable_by_key(|half| (half.0, part(half), half.1, half.2));
@@ -243,12 +287,12 @@ fn winged(points: usize, faces: &[Flat]) -> Vec<Edge> {
 }
 
 /// Parts in an order of their own: by what they are, then by their place in the document.
-fn ranks(model: &Model, points: &[DVec3], faces: &[Flat]) -> Vec<u32> {
+fn ranks(model: &Model, points: &[DVec3], flats: &Flats) -> Vec<u32> {
     // Sums of well-mixed numbers of their distinct corners: any order will do that depends on nothing else.
     let mut keys: Vec<(u64, Option<Rgb>, u32)> = model.parts.iter().zip(0..).map(|(part, i)| (0, part.color, i)).collect();
     let mut last = vec![NOTHING; points.len()];
-    for face in faces {
-        for corner in face.corners() {
+    for (i, face) in flats.faces.iter().enumerate() {
+        for &corner in flats.corners(i) {
             if std::mem::replace(&mut last[corner as usize], face.part) != face.part {
                 let mixed = points[corner as usize].to_array().iter().fold(0, |seed, &x| mix(seed ^ ordered(x)));
                 let key = &mut keys[face.part as usize].0;

@@ -12,6 +12,7 @@ mod corners;
 pub mod cut;
 pub mod glass;
 pub mod look;
+mod near;
 pub mod outlines;
 pub mod paint;
 pub mod rows;

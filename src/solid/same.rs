@@ -1,16 +1,15 @@
 //! What is the same: points, planes and lines within a tolerance, found once.
 //!
 //! What may be the same is in one cell of a grid or in neighbours: points by their coordinates, planes and lines by two numbers that hardly differ for those that are the
-//! same and otherwise hardly agree. Lines are looked for among the edges of faces of one plane, as only there it matters whether they are one. The largest stands
+//! same and otherwise hardly agree. Most have nothing near them, and are told so first. Lines are looked for among the edges of faces of one plane, as only there it matters whether they are one. The largest stands
 //! for the others, and ties go by coordinates, so that nothing depends on the order in which they are given.
 
 use std::cell::Cell;
-use std::collections::HashMap;
 
-use foldhash::fast::FixedState;
 use glam::DVec3;
 
-use super::body::{Edge, Face, Flat, Line, NOTHING, Plane, SAME};
+use super::body::{Edge, Face, Flats, Line, NOTHING, Plane, SAME};
+use super::near::{Cells, Place, crowded};
 
 /// Where a model is, and what counts as the same there.
 pub(super) struct Space {
@@ -48,53 +47,58 @@ impl Space {
     /// Points that are not the same, and which each is.
     pub(super) fn distinct_points(&self, points: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
         let cell = 64.0 * self.same;
-        let order = sorted(points.len(), |i| ordered(points[i].x), |i| points[i].to_array().map(ordered));
-        let mut cells = Cells::new(points.len(), self);
+        let order = sorted(0..points.len(), |i| ordered(points[i].x), |i| points[i].to_array().map(ordered));
+        let mut cells = Cells::new(points.len(), 0);
         let (mut distinct, mut of): (Vec<DVec3>, _) = (Vec::new(), vec![0; points.len()]);
-        for i in order {
-            let p = points[i as usize];
-            let at = ((p - self.middle) / cell).to_array();
-            let found = cells.find(at, self.same / cell, |other: u32| (distinct[other as usize] - p).length() <= self.same);
-            of[i as usize] = found.unwrap_or_else(|| {
+        for i in order.into_iter().map(|i| i as usize) {
+            let p = points[i];
+            let place = Place { at: ((p - self.middle) / cell).to_array(), near: self.same / cell };
+            let found = cells.find(&place, || self.may_compare(), |other| (distinct[other as usize] - p).length() <= self.same);
+            of[i] = found.unwrap_or_else(|| {
                 distinct.push(p);
-                cells.add(at, distinct.len() as u32 - 1)
+                cells.add(&place)
             });
         }
         (distinct, of)
     }
 
     /// Planes that are not the same, and which each face is in.
-    pub(super) fn distinct_planes(&self, points: &[DVec3], faces: &[Flat]) -> (Vec<Plane>, Vec<u32>) {
-        let planes: Vec<Plane> = faces
-            .iter()
-            .map(|face| {
-                let normal = face.area.normalize();
+    pub(super) fn distinct_planes(&self, points: &[DVec3], faces: &Flats) -> (Vec<Plane>, Vec<u32>) {
+        let (planes, places): (Vec<Plane>, Vec<Place<2>>) = (0..faces.len())
+            .map(|i| {
+                let (area, corners) = (faces.area(i), faces.corners(i));
+                let (length, corner) = (area.length(), |c: &u32| points[*c as usize] - self.middle);
+                let normal = area.normalize();
                 let normal = if is_turned(normal) { -normal } else { normal };
-                let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-                face.corners().for_each(|c| (sum, count) = (sum + points[c as usize] - self.middle, count + 1.0));
-                Plane { normal, offset: normal.dot(sum / count) }
+                let first = corner(&corners[0]);
+                let sums = corners.iter().map(corner).map(|p| (p, p.distance_squared(first)));
+                let (sum, across) = sums.fold((DVec3::ZERO, 0.0_f64), |(sum, most), (p, apart)| (sum + p, most.max(apart)));
+                let offset = normal.dot(sum / corners.len() as f64);
+                let place = Place { at: self.numbers(normal, normal * offset), near: self.reach(length / across.sqrt()) };
+                (Plane { normal, offset }, place)
             })
-            .collect();
+            .unzip();
+        let crowded = crowded(&places);
+        let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::with_capacity(planes.len()), vec![0; planes.len()]);
+        for i in (0..planes.len()).filter(|i| !crowded[*i]) {
+            of[i] = distinct.len() as u32;
+            distinct.push(planes[i]);
+        }
         let order = sorted(
-            faces.len(),
-            |i| !ordered(faces[i].area.length_squared()),
+            (0..planes.len()).filter(|i| crowded[*i]),
+            |i| !ordered(faces.area(i).length_squared()),
             |i| (planes[i].normal.to_array().map(ordered), ordered(planes[i].offset)),
         );
-        let mut cells = Cells::new(faces.len(), self);
-        let (mut distinct, mut of): (Vec<Plane>, _) = (Vec::new(), vec![0; faces.len()]);
-        for i in order {
-            let (face, plane) = (&faces[i as usize], planes[i as usize]);
-            let corner = |c: u32| points[c as usize] - self.middle;
+        let mut cells = Cells::new(order.len(), distinct.len() as u32);
+        for i in order.into_iter().map(|i| i as usize) {
             let same = |other: u32| {
                 let other: &Plane = &distinct[other as usize];
-                face.corners().all(|c| (other.normal.dot(corner(c)) - other.offset).abs() <= self.same)
+                let apart = |c: &u32| other.normal.dot(points[*c as usize] - self.middle) - other.offset;
+                faces.corners(i).iter().all(|c| apart(c).abs() <= self.same)
             };
-            let first = face.corners().next().map_or(DVec3::ZERO, corner);
-            let across = face.corners().fold(0.0_f64, |most, c| most.max(corner(c).distance_squared(first))).sqrt();
-            let at = self.numbers(plane.normal, plane.normal * plane.offset);
-            of[i as usize] = cells.find(at, self.reach(face.area.length() / across), same).unwrap_or_else(|| {
-                distinct.push(plane);
-                cells.add(at, distinct.len() as u32 - 1)
+            of[i] = cells.find(&places[i], || self.may_compare(), same).unwrap_or_else(|| {
+                distinct.push(planes[i]);
+                cells.add(&places[i])
             });
         }
         distinct.iter_mut().for_each(|plane| plane.offset += plane.normal.dot(self.middle));
@@ -164,9 +168,9 @@ impl Space {
     }
 }
 
-/// Numbers below `n` by a key, and those with the same by another that takes longer.
-fn sorted<K: Ord>(n: usize, key: impl Fn(usize) -> u64, then: impl Fn(usize) -> K) -> Vec<u32> {
-    let mut order: Vec<(u64, u32)> = (0..n).map(|i| (key(i), i as u32)).collect();
+/// Indices by a key, and such as have the same by another that takes longer.
+fn sorted<K: Ord>(indices: impl Iterator<Item = usize>, key: impl Fn(usize) -> u64, then: impl Fn(usize) -> K) -> Vec<u32> {
+    let mut order: Vec<(u64, u32)> = indices.map(|i| (key(i), i as u32)).collect();
     order.sort_unstable();
     for same in order.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
         same.sort_by_cached_key(|entry| then(entry.1 as usize));
@@ -224,25 +228,32 @@ impl Lines<'_> {
             }
             return;
         }
-        let order = sorted(group.len(), |k| !ordered(self.length_squared(group[k])), |k| self.key(group[k]));
-        let mut cells = Cells::new(group.len(), space);
+        let places: Vec<Place<2>> = group
+            .iter()
+            .map(|&edge| {
+                let line = space.line(self.points, &self.edges[edge as usize]);
+                let length = self.length_squared(edge).sqrt();
+                Place { at: space.numbers(line.along, line.at - space.middle), near: space.reach(length) }
+            })
+            .collect();
+        let crowded = crowded(&places);
+        let order = sorted((0..group.len()).filter(|k| crowded[*k]), |k| !ordered(self.length_squared(group[k])), |k| self.key(group[k]));
+        let mut cells = Cells::new(order.len(), 0);
         let mut distinct = Vec::new();
-        for edge in order.into_iter().map(|k| group[k as usize]) {
-            let line = space.line(self.points, &self.edges[edge as usize]);
-            let (at, reach) = (space.numbers(line.along, line.at - space.middle), space.reach(self.length_squared(edge).sqrt()));
-            let near = |other: &[f64; 2]| at.iter().zip(other).all(|(a, b)| (a - b).abs() <= reach);
+        for (edge, place) in order.into_iter().map(|k| (group[k as usize], &places[k as usize])) {
+            let near = |other: &[f64; 2]| place.at.iter().zip(other).all(|(a, b)| (a - b).abs() <= place.near);
             let same = |other: u32| {
                 let (longer, there) = &distinct[other as usize];
                 near(there) && self.is_on(edge, *longer)
             };
-            match cells.find(at, reach, same) {
+            match cells.find(place, || space.may_compare(), same) {
                 Some(other) => {
                     let longer = distinct[other as usize].0;
                     self.join(edge, longer);
                 }
                 None => {
-                    distinct.push((edge, at));
-                    cells.add(at, distinct.len() as u32 - 1);
+                    distinct.push((edge, place.at));
+                    cells.add(place);
                 }
             }
         }
@@ -279,56 +290,4 @@ fn is_turned(direction: DVec3) -> bool {
     let components = direction.to_array();
     let most = components.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     components.iter().find(|x| x.abs() > most - 1e-6).is_some_and(|x| *x < 0.0)
-}
-
-/// Items by the cell of a grid that they are in.
-struct Cells<'s, const N: usize> {
-    space: &'s Space,
-    /// The last item of a cell.
-    last: HashMap<[i32; N], u32, FixedState>,
-    /// For every item the one before it in its cell.
-    before: Vec<u32>,
-}
-
-impl<'s, const N: usize> Cells<'s, N> {
-    fn new(items: usize, space: &'s Space) -> Cells<'s, N> {
-        Cells { space, last: HashMap::with_capacity_and_hasher(items, FixedState::default()), before: Vec::new() }
-    }
-
-    /// Adds item `item`, the next number, at a place in units of cells.
-    fn add(&mut self, at: [f64; N], item: u32) -> u32 {
-        debug_assert_eq!(item as usize, self.before.len());
-        let before = self.last.insert(at.map(|x| x.floor() as i32), item);
-        self.before.push(before.unwrap_or(NOTHING));
-        item
-    }
-
-    /// The first item that is the same as one at that place, among those of its cell and of others nearer than `near`.
-    fn find(&self, at: [f64; N], near: f64, same: impl Fn(u32) -> bool) -> Option<u32> {
-        let cell = at.map(|x| x.floor() as i32);
-        // Directions in which the cell beside it is near.
-        let (mut beside, mut ways) = ([(0, 0); N], 0);
-        for (i, x) in at.into_iter().enumerate() {
-            let within = x - x.floor();
-            if within < near || within > 1.0 - near {
-                beside[ways] = (i, if within < near { -1 } else { 1 });
-                ways += 1;
-            }
-        }
-        let mut found = None;
-        for choice in 0..1_u32 << ways {
-            let mut other = cell;
-            for &(i, step) in beside[..ways].iter().enumerate().filter(|(k, _)| choice >> k & 1 == 1).map(|(_, side)| side) {
-                other[i] = i32::wrapping_add(other[i], step);
-            }
-            let mut item = self.last.get(&other).copied().unwrap_or(NOTHING);
-            while item != NOTHING && self.space.may_compare() {
-                if found.is_none_or(|found| item < found) && same(item) {
-                    found = Some(item);
-                }
-                item = self.before[item as usize];
-            }
-        }
-        found
-    }
 }
