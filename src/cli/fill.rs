@@ -141,8 +141,8 @@ pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     ends.warn(&warnings, args.work.strict)?;
 
     let mut progress = Progress::new(&args.work.watch, Some(job.header().height()), output.is_terminal());
-    let stats =
-        job.render(format, options.limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
+    let threads = options.limits.threads;
+    let stats = job.render_to(format, threads, output.out(), &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
     drop(progress);
     output.finish()?;
     args.work.tell(&stats);

@@ -23,6 +23,8 @@ pub const FORMAT: Format = Format {
     about: "line stream: runs as JSON, a record of equal lines a line",
     binary: false,
     version: 1,
+    compressions: &[],
+    compression: None,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -13,10 +13,12 @@ pub const FORMAT: Format = Format {
     about: "portable bitmap (P4), 1 bit a pixel: 1 where anything is painted",
     binary: true,
     version: 1,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P4\n{} {}\n", header.width, header.height());
+    let head = format!("P4\n{} {}\n", header.width, header.height()).into_bytes();
     rows::plain(head, header, 1, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
 }

@@ -13,11 +13,13 @@ pub const FORMAT: Format = Format {
     about: "portable graymap (P5), 8 bits a pixel: luma of the inks and of paper",
     binary: true,
     version: 1,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P5\n{} {}\n255\n", header.width, header.height());
+    let head = format!("P5\n{} {}\n255\n", header.width, header.height()).into_bytes();
     let inks = header.inks.clone();
     match &header.inks {
         Inks::Listed(list) => {

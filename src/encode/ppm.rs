@@ -13,11 +13,13 @@ pub const FORMAT: Format = Format {
     about: "portable pixmap (P6), 24 bits a pixel: the inks on paper",
     binary: true,
     version: 1,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P6\n{} {}\n255\n", header.width, header.height());
+    let head = format!("P6\n{} {}\n255\n", header.width, header.height()).into_bytes();
     let colours = rows::Colours::new(&header.inks);
     rows::plain(head, header, 24, move |runs, row| colours.paint(row, runs))
 }

@@ -13,6 +13,8 @@ pub const FORMAT: Format = Format {
     about: "line stream in binary (docs/rls.md)",
     binary: true,
     version: 1,
+    compressions: &[],
+    compression: None,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 
