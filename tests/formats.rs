@@ -93,7 +93,7 @@ fn line_streams_are_converted_to_every_format() {
                     assert!(file.into_inner() == out, "{stream} to a file, {}", name(format));
                     continue;
                 };
-                assert_eq!((converted.unwrap_err(), out.len()), (refused, 0));
+                assert_eq!((converted.unwrap_err().what, out.len()), (refused, 0));
             }
         }
     }

@@ -396,7 +396,8 @@ fn a_table_tells_every_place() {
             assert!(stream.checkpoint().offset > 0, "the head is there");
             assert_eq!(stream.next_within(1, 1, &mut Vec::new()), More::More);
             assert!(pulled(knowing.stream(format), &mut rng) == whole);
-            for offset in (0..12).map(|_| rng.below(whole.len() as u64)).chain([0, whole.len() as u64, u64::MAX]) {
+            let offsets: Vec<u64> = (0..12).map(|_| rng.below(whole.len() as u64)).collect();
+            for offset in offsets.into_iter().chain([0, whole.len() as u64, u64::MAX]) {
                 let Some(from) = knowing.seek(format, offset) else { continue };
                 assert!(from.offset <= offset);
                 // Whoever does not know the table goes on there too.

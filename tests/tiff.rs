@@ -197,7 +197,7 @@ fn big_tiff_of_small_rasters() {
     let (Some(from_tiff), Some(info)) = (program("tifftopnm"), program("tiffinfo")) else { return };
     let python = pillow();
     let folder = tempfile::tempdir().unwrap();
-    for raster in rasters() {
+    for raster in rasters().into_iter().step_by(2) {
         let right = expected(&raster);
         for packing in [tiff::Packing::None, tiff::Packing::G4, tiff::Packing::PackBits, tiff::Packing::Deflate] {
             let new = || tiff::writer(&raster.header, packing, 100);

@@ -5,7 +5,6 @@
 
 pub use part::{Part, Strip};
 
-use crate::error::Error;
 use crate::run::{Header, Lines};
 
 /// What the program knows about a format.
@@ -67,11 +66,8 @@ impl Format {
     ///
     /// # Errors
     /// What it cannot hold, and what to do.
-    pub fn check(&self, header: &Header) -> Result<(), Error> {
-        match self.compression.and_then(|compression| (compression.refuses)(header)) {
-            Some(what) => Err(Error::parameter(what)),
-            None => Ok(()),
-        }
+    pub fn check(&self, header: &Header) -> Result<(), String> {
+        self.compression.and_then(|compression| (compression.refuses)(header)).map_or(Ok(()), Err)
     }
 }
 

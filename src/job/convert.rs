@@ -6,7 +6,7 @@ use super::outlet::{Out, Outlet};
 use super::pump::{PORTION, Pump};
 use super::write;
 use crate::encode::Format;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::input::lines::LineReader;
 use crate::run::{Header, Lines};
 
@@ -26,7 +26,7 @@ pub fn convert(input: &mut dyn BufRead, format: &Format, out: &mut dyn Write, pr
 pub fn convert_to(input: &mut dyn BufRead, format: &Format, out: Out<'_>, progress: &mut dyn FnMut(u32)) -> Result<Header> {
     let mut reader = LineReader::open(input)?;
     let header = reader.header().clone();
-    format.check(&header)?;
+    format.check(&header).map_err(Error::parameter)?;
     let mut bytes = Vec::with_capacity(2 * PORTION);
     let mut pump = Pump::new((format.encoder)(&header), &mut bytes);
     let mut out = Outlet::new(out, pump.encoder())?;

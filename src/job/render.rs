@@ -34,7 +34,7 @@ impl Job {
     /// # Errors
     /// Those of [`Job::render`].
     pub fn render_to<'o>(&self, format: &Format, threads: usize, out: Out<'o>, progress: &'o mut dyn FnMut(u32)) -> Result<Stats> {
-        format.check(&self.header)?;
+        format.check(&self.header).map_err(Error::parameter)?;
         let swept = Instant::now();
         let bands: Vec<Range<u32>> = self.bands().collect();
         let threads = threads.max(1);

@@ -23,7 +23,7 @@ use super::problem::Problem;
 use super::raster::Raster;
 use super::{Service, meters};
 use crate::encode::Format;
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::input::Fonts;
 
 /// Who asks: a connection, and when the request came on it.
@@ -59,7 +59,7 @@ pub async fn raster(service: Service, asker: Asker, params: &Params, headers: &H
         Ok(bytes.into())
     });
     let shared = service.drawings.get(key, ask.of(source)).await?;
-    format.check(shared.thing.job.header())?;
+    format.check(shared.thing.job.header()).map_err(Error::parameter)?;
     Ok(stream(service, asker, params.kind(), shared, format, place))
 }
 

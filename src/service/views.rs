@@ -26,6 +26,7 @@ use super::models::{Id, Model};
 use super::params::{Kind, MoveParams, Params, SolidParams, ViewParams, content_type, take_number};
 use super::problem::{Details, Problem};
 use crate::encode::Format;
+use crate::error::Error;
 use crate::job::{Job, Kept, Move, SolidOptions};
 
 /// Models with primitives moved.
@@ -165,7 +166,7 @@ fn picture(service: &Service, id: &Id, query: Option<&str>, headers: &HeaderMap)
     let format = Params::Solid(asked.solid).format(headers)?;
     let header = options.header()?;
     bounded(&service.config, &header)?;
-    format.check(&header)?;
+    format.check(&header).map_err(Error::parameter)?;
     let tag = answer::tag(&key, &service.config.fonts, format);
     let known = answer::is_known(&tag, headers)?;
     let tag = HeaderValue::from_str(&tag).map_err(Problem::internal)?;

@@ -222,7 +222,7 @@ impl Encode for Tiff {
     /// One whole strip.
     fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part {
         let lines = strip.lines();
-        let start = self.raster.start + (lines.start - self.raster.start).next_multiple_of(self.rows);
+        let start = self.raster.start + lines.start.saturating_sub(self.raster.start).next_multiple_of(self.rows);
         let end = start.saturating_add(self.rows).min(self.raster.end);
         if start >= end || end > lines.end {
             return Part::none(strip);

@@ -45,6 +45,7 @@ use super::params::{self, FillParams, Kind, Params, SolidParams};
 use super::problem::{Details, Problem};
 use super::{Service, answer, meters};
 use crate::encode;
+use crate::error::Error;
 
 /// The client's key of a request that may be sent again.
 const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
@@ -319,7 +320,7 @@ pub async fn create(
     let (key, bytes) = (params.key(&document.digest), document.bytes.clone());
     let shared = service.drawings.get(key, ask.of(Box::new(move || Ok(bytes.into())))).await?;
     let header = shared.thing.job.header();
-    format.check(header)?;
+    format.check(header).map_err(Error::parameter)?;
     let now = Timestamp::now();
     let view = View {
         id: uuid::Uuid::now_v7().simple().to_string(),
