@@ -28,7 +28,7 @@ struct Arguments {
     #[arg(default_value = "coast1e3")]
     names: Vec<String>,
     /// Formats.
-    #[arg(long, value_delimiter = ',', default_value = "pbm,pgm,ppm,png,ndjson,rls", value_name = "F,...")]
+    #[arg(long, value_delimiter = ',', default_value = "pbm,pgm,ppm,png,tiff,ndjson,rls", value_name = "F,...")]
     format: Vec<String>,
     /// Pixels to a user unit: the page is 4096 times as many pixels a side.
     #[arg(long, default_value_t = 16.0, value_name = "S")]

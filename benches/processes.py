@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whole processes side by side: ours, Ghostscript, MuPDF, resvg, and libraries behind usvg.
 
-    benches/processes.py [--runs N] [--folder DIR] [pages | vertices | map]...
+    benches/processes.py [--runs N] [--folder DIR] [pages | vertices | map | sheet]...
 
 Needs Linux, cargo and Python 3.10. Programs that are not installed are named and skipped. Each row of a table is a program; they
 run in turn, N times (default 5), writing into a pipe that is emptied without copying. Wall time, processor time (user and system) and
@@ -10,6 +10,7 @@ peak memory are medians; more than 30 s of processor time or 4 GB counts as not 
     pages      two workloads at 65,536 pixels a side, to PBM, two threads of ours, from SVG (ours also from JSON) or PDF
     vertices   2,000,000 vertices at 16,384 a side, to PBM; libraries are charged with usvg's reading of the same SVG
     map        600,000 vertices in 24 inks on A0 at 600 dots an inch, to PPM or PNG
+    sheet      5,000 opaque shapes in black on A0 at 2400 dots an inch, to a TIFF file in CCITT group 4
 
 The workloads are made in DIR (default target/processes) by the example `plane`, about 150 MB.
 """
@@ -145,11 +146,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=5, metavar="N")
     parser.add_argument("--folder", default=ROOT / "target/processes", type=pathlib.Path, metavar="DIR")
-    parser.add_argument("tables", nargs="*", metavar="TABLE", help="pages, vertices, map; all of them if none is named")
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help="pages, vertices, map, sheet; all of them if none is named")
     arguments = parser.parse_args()
-    wanted = arguments.tables or ["pages", "vertices", "map"]
-    if unknown := set(wanted) - {"pages", "vertices", "map"}:
-        parser.error(f"no table {', '.join(sorted(unknown))}; there are pages, vertices, map")
+    wanted = arguments.tables or ["pages", "vertices", "map", "sheet"]
+    if unknown := set(wanted) - {"pages", "vertices", "map", "sheet"}:
+        parser.error(f"no table {', '.join(sorted(unknown))}; there are pages, vertices, map, sheet")
 
     runset = build("build", "--release", "--bin", "runset")["runset"]
     plane = build("build", "--release", "--example", "plane")["plane"]
@@ -158,7 +159,7 @@ def main():
     for name in [name for name, path in found.items() if not path]:
         print(f"not installed, skipped: {name}", file=sys.stderr)
     folder = arguments.folder
-    names = {"pages": ["coast1e5", "manh1e5"], "vertices": ["coast1e6"], "map": ["map"]}
+    names = {"pages": ["coast1e5", "manh1e5"], "vertices": ["coast1e6"], "map": ["map"], "sheet": ["sheet"]}
     for name in sum((names[name] for name in wanted), []):
         if not (folder / f"{name}.svg").exists():
             subprocess.run([plane, folder, name], check=True, stderr=subprocess.DEVNULL)
@@ -220,6 +221,18 @@ def main():
         if found["resvg"]:
             commands["resvg, PNG"] = [found["resvg"], "--dpi", "600", folder / "map.svg", "-c"]
         table("A map of 600,000 vertices on A0 at 600 dots an inch", commands, arguments.runs, "resvg, PNG", set(), [20, 20, 50])
+
+    if "sheet" in wanted:
+        options = ["--dpi", "2400", "--compression", "g4", "-o"]
+        commands = {
+            "runset, 2 threads": ours("sheet.svg", *options, folder / "sheet.tiff", "--threads", "2"),
+            "runset, 1 thread": ours("sheet.svg", *options, folder / "sheet.tiff", "--threads", "1"),
+            "runset, 2 threads, into a pipe": ours("sheet.svg", "--threads", "2", *options, "-", "--format", "tiff"),
+        }
+        if found["gs"]:
+            device = ["-q", "-dNOPAUSE", "-dBATCH", "-dSAFER", "-sDEVICE=tiffg4", f"-sOutputFile={folder / 'ghostscript.tiff'}", "-r2400"]
+            commands["Ghostscript"] = [found["gs"], *device, "-c", "0 0 .setfilladjust2", "-f", folder / "sheet.pdf"]
+        table("5,000 opaque shapes on A0 at 2400 dots an inch, to TIFF in CCITT group 4", commands, arguments.runs, "Ghostscript", set(), [0, 1, 1])
 
 
 if __name__ == "__main__":

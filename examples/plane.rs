@@ -4,7 +4,7 @@
 //! cargo run --release --example plane -- OUTDIR [NAME ...]
 //! ```
 //!
-//! Without names it writes all of them, some 270 MB; `map` is a drawing in many inks and an SVG only.
+//! Without names it writes all of them, some 270 MB; `map` is a drawing in many inks and an SVG only, `sheet` an SVG and a PDF.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -19,12 +19,15 @@ mod pdf;
 #[allow(dead_code, reason = "the benches fill them")]
 #[path = "../benches/shapes/mod.rs"]
 mod shapes;
+#[path = "../benches/shapes/sheet.rs"]
+mod sheet;
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().context("usage: plane OUTDIR [NAME ...]")?;
-    let (maps, names): (Vec<String>, Vec<String>) = arguments.partition(|name| name == "map");
-    let workloads = if names.is_empty() && !maps.is_empty() { Vec::new() } else { shapes::named(&names).map_err(anyhow::Error::msg)? };
+    let (others, names): (Vec<String>, Vec<String>) = arguments.partition(|name| ["map", "sheet"].contains(&&**name));
+    let all = names.is_empty() && others.is_empty();
+    let workloads = if names.is_empty() && !all { Vec::new() } else { shapes::named(&names).map_err(anyhow::Error::msg)? };
     let folder = Path::new(&folder);
     fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     for (name, make) in workloads {
@@ -34,8 +37,12 @@ fn main() -> Result<()> {
         write(&folder.join(format!("{name}.pdf")), |out| pdf::write(&shapes, out))?;
         eprintln!("{name}: {} vertices", shapes.vertices());
     }
-    if names.is_empty() || !maps.is_empty() {
+    if all || others.iter().any(|name| name == "map") {
         write(&folder.join("map.svg"), map::write_svg)?;
+    }
+    if all || others.iter().any(|name| name == "sheet") {
+        write(&folder.join("sheet.svg"), sheet::write_svg)?;
+        write(&folder.join("sheet.pdf"), sheet::write_pdf)?;
     }
     Ok(())
 }

@@ -2,10 +2,11 @@
 
 mod models;
 mod oracle;
+mod raster;
 
 use oracle::random::Rng;
 use oracle::{Expr, Scene};
-use runset::encode::{Encode, FORMATS, Format, Restart, Strip, by_name};
+use runset::encode::{Encode, Format, Restart, Strip, by_name, variants};
 use runset::input;
 use runset::job::{Checkpoint, Job, More, Options, Stream};
 use runset::run::{Header, Inks, Lines, Run, Sheet};
@@ -22,7 +23,7 @@ const INKS: [u32; 4] = [1, 3, 20, 300];
 type Groups = Vec<(u32, Vec<Run>)>;
 
 /// A random raster: paper, few runs, many runs; groups of a line or of thousands, neighbours often equal.
-fn raster(rng: &mut Rng) -> (Header, Groups) {
+fn random_raster(rng: &mut Rng) -> (Header, Groups) {
     let width = 1 + rng.below(200) as u32;
     let inks = if rng.one_in(4) {
         Inks::Shaded { paper: rng.pick(&[[255; 3], [255, 255, 229], [0; 3]]) }
@@ -68,11 +69,16 @@ fn lines_from(header: &Header, groups: &Groups, from: u32, rng: &mut Rng, mut ta
     }
 }
 
+/// The formats that can hold a raster, in every compression.
+fn able(header: &Header) -> impl Iterator<Item = &'static Format> + use<'_> {
+    variants().filter(move |format| format.check(header).is_ok())
+}
+
 /// What a new writer makes from there on.
 fn rest(format: &Format, header: &Header, groups: &Groups, restart: &Restart, rng: &mut Rng) -> Vec<u8> {
     let (mut encoder, mut out) = ((format.encoder)(header), Vec::new());
     encoder.resume(restart);
-    assert_eq!(encoder.restart(), *restart, "{}: a place does not change by being taken up", format.name);
+    assert_eq!(encoder.restart(), *restart, "{}: a place does not change by being taken up", raster::name(format));
     lines_from(header, groups, restart.line, rng, |lines| encoder.lines(lines, &mut out));
     encoder.end(&mut out);
     out
@@ -82,7 +88,7 @@ fn rest(format: &Format, header: &Header, groups: &Groups, restart: &Restart, rn
 fn compare(format: &Format, header: &Header, groups: &Groups, whole: &[u8], places: &[(usize, Restart)], rng: &mut Rng, seed: u64) {
     for (at, restart) in places {
         let got = rest(format, header, groups, restart, rng);
-        assert!(got == whole[*at..], "seed {seed}, {}, {header:?}, byte {at}: {restart:?}", format.name);
+        assert!(got == whole[*at..], "seed {seed}, {}, {header:?}, byte {at}: {restart:?}", raster::name(format));
     }
 }
 
@@ -90,12 +96,12 @@ fn compare(format: &Format, header: &Header, groups: &Groups, whole: &[u8], plac
 fn a_writer_goes_on_behind_any_lines() {
     for seed in 0..effort(60) {
         let mut rng = Rng::new(seed);
-        let (header, groups) = raster(&mut rng);
-        for format in FORMATS {
+        let (header, groups) = random_raster(&mut rng);
+        for format in able(&header) {
             let (mut encoder, mut whole, mut places) = ((format.encoder)(&header), Vec::new(), Vec::new());
             encoder.begin(&mut whole);
             let first = Restart { line: header.lines.start, tally: [0; 3] };
-            assert_eq!(encoder.restart(), first, "{}", format.name);
+            assert_eq!(encoder.restart(), first, "{}", raster::name(format));
             places.push((whole.len(), first));
             lines_from(&header, &groups, 0, &mut Rng::new(seed + 1), |lines| {
                 encoder.lines(lines, &mut whole);
@@ -103,7 +109,7 @@ fn a_writer_goes_on_behind_any_lines() {
             });
             encoder.end(&mut whole);
             compare(format, &header, &groups, &whole, &places, &mut rng, seed);
-            assert!(encoder.length().is_none_or(|length| length == whole.len() as u64), "{}", format.name);
+            assert!(encoder.length().is_none_or(|length| length == whole.len() as u64), "{}", raster::name(format));
         }
     }
 }
@@ -112,8 +118,8 @@ fn a_writer_goes_on_behind_any_lines() {
 fn a_writer_goes_on_behind_any_part() {
     for seed in 100..100 + effort(60) {
         let mut rng = Rng::new(seed);
-        let (header, groups) = raster(&mut rng);
-        for format in FORMATS {
+        let (header, groups) = random_raster(&mut rng);
+        for format in able(&header) {
             let whole = rest_of_all(format, &header, &groups, &mut rng);
             let new = || (format.encoder)(&header);
             let (mut encoder, mut helper, mut out, mut places): (Box<dyn Encode>, Box<dyn Encode>, _, _) =
@@ -139,7 +145,7 @@ fn a_writer_goes_on_behind_any_part() {
                 places.push((out.len(), encoder.restart()));
             }
             encoder.end(&mut out);
-            assert!(out == whole, "seed {seed}, {}", format.name);
+            assert!(out == whole, "seed {seed}, {}", raster::name(format));
             compare(format, &header, &groups, &whole, &places, &mut rng, seed);
         }
     }
@@ -229,7 +235,7 @@ fn a_stream_goes_on_from_any_checkpoint() {
     for seed in 7000..7000 + effort(30) {
         let mut rng = Rng::new(seed);
         let job = any_job(&mut rng, seed);
-        for format in FORMATS {
+        for format in able(job.header()) {
             let whole = rendered(&job, format);
             let (mut stream, mut out) = (job.stream(format), Vec::new());
             let mut checkpoints = vec![stream.checkpoint()];
@@ -241,11 +247,11 @@ fn a_stream_goes_on_from_any_checkpoint() {
                 if more == More::End {
                     break;
                 }
-                assert_eq!(checkpoint.offset, stream.offset(), "seed {seed}, {}", format.name);
+                assert_eq!(checkpoint.offset, stream.offset(), "seed {seed}, {}", raster::name(format));
                 let swept = job.header().lines.start + stream.lines();
                 assert!(checkpoint.line <= swept && swept <= job.header().lines.end);
             }
-            assert!(out == whole, "seed {seed}, {}", format.name);
+            assert!(out == whole, "seed {seed}, {}", raster::name(format));
             assert_eq!(stream.next_band(&mut out), More::End);
             assert_eq!((out.len(), stream.checkpoint()), (whole.len(), checkpoints[checkpoints.len() - 1]));
             checkpoints.dedup();
@@ -255,7 +261,7 @@ fn a_stream_goes_on_from_any_checkpoint() {
                 let resumed = job.stream_from(format, from).expect("a checkpoint");
                 assert_eq!((resumed.offset(), resumed.checkpoint()), (from.offset, *from));
                 let got = pulled(resumed, &mut rng);
-                assert!(got == whole[from.offset as usize..], "seed {seed}, {}, {from:?}", format.name);
+                assert!(got == whole[from.offset as usize..], "seed {seed}, {}, {from:?}", raster::name(format));
                 places += 1;
             }
         }
@@ -269,7 +275,7 @@ fn a_raster_of_many_streams() {
     for seed in 7500..7500 + effort(20) {
         let mut rng = Rng::new(seed);
         let job = any_job(&mut rng, seed);
-        for format in FORMATS {
+        for format in able(job.header()) {
             let (mut out, mut at, mut hops) = (Vec::new(), None, 0);
             loop {
                 let mut stream = at.map_or_else(|| job.stream(format), |at| job.stream_from(format, &at).expect("a checkpoint"));
@@ -287,7 +293,7 @@ fn a_raster_of_many_streams() {
                 hops += 1;
                 assert!(hops < 100_000);
             }
-            assert!(out == rendered(&job, format), "seed {seed}, {}, {hops} streams", format.name);
+            assert!(out == rendered(&job, format), "seed {seed}, {}, {hops} streams", raster::name(format));
         }
     }
 }
@@ -298,7 +304,7 @@ fn a_stream_counts_as_a_thread_does() {
     for seed in 8000..8000 + effort(20) {
         let mut rng = Rng::new(seed);
         let job = any_job(&mut rng, seed);
-        for format in FORMATS {
+        for format in able(job.header()) {
             let (mut bytes, mut stream) = (Vec::new(), job.stream(format));
             let stats = job.render(format, 1, &mut bytes, &mut |_| ()).expect("a vector takes all");
             assert_eq!(job.length(format).unwrap_or(bytes.len() as u64), bytes.len() as u64);
@@ -324,13 +330,20 @@ fn formats_of_a_fixed_length_are_entered_at_any_byte() {
         let job = any_job(&mut rng, seed);
         let header = job.header();
         let width = u64::from(header.width);
-        for format in FORMATS {
-            let row = match format.name {
+        for format in able(job.header()) {
+            let row = match &*raster::name(format) {
                 "pbm" => width.div_ceil(8),
                 "pgm" => width,
                 "ppm" => 3 * width,
+                // One ink is black here, three have 4 bits a pixel and twenty 8.
+                "tiff/none" => match header.inks.listed().len() {
+                    0 | 300 => 3 * width,
+                    1 => width.div_ceil(8),
+                    3 => width.div_ceil(2),
+                    _ => width,
+                },
                 _ => {
-                    assert_eq!((job.length(format), job.seek(format, 1000)), (None, None), "{}", format.name);
+                    assert_eq!((job.length(format), job.seek(format, 1000)), (None, None), "{}", raster::name(format));
                     continue;
                 }
             };
@@ -350,12 +363,53 @@ fn formats_of_a_fixed_length_are_entered_at_any_byte() {
                 let line = offset.checked_sub(head).expect("in the rows") / row;
                 let line = line.min(height);
                 let expected = Checkpoint { offset: head + line * row, line: header.lines.start + line as u32, tally: [0; 3] };
-                assert_eq!(from, expected, "seed {seed}, {}, byte {offset}", format.name);
+                assert_eq!(from, expected, "seed {seed}, {}, byte {offset}", raster::name(format));
                 let got = pulled(job.stream_from(format, &from).expect("a place"), &mut rng);
-                assert!(got == whole[from.offset as usize..], "seed {seed}, {}, {from:?}", format.name);
+                assert!(got == whole[from.offset as usize..], "seed {seed}, {}, {from:?}", raster::name(format));
             }
         }
     }
+}
+
+/// A job that knows the table of its raster has all bytes in one pass, and from any place on.
+#[test]
+fn a_table_tells_every_place() {
+    let mut places = 0;
+    for seed in 9200..9200 + effort(30) {
+        let mut rng = Rng::new(seed);
+        let job = any_job(&mut rng, seed);
+        for format in able(job.header()) {
+            let whole = rendered(&job, format);
+            let mut stream = job.stream(format);
+            let (mut passes, mut lines) = (1, 0);
+            while stream.next_band(&mut Vec::new()) == More::More {
+                assert!(stream.table().is_none() || stream.length() == Some(whole.len() as u64), "{}", raster::name(format));
+                passes += u32::from(stream.lines() < lines);
+                lines = stream.lines();
+            }
+            assert_eq!((passes, stream.length()), (1, Some(whole.len() as u64)), "{}", raster::name(format));
+            let Some(table) = stream.table() else { continue };
+            let knowing = job.knowing(Some(table));
+            assert_eq!(knowing.length(format), Some(whole.len() as u64));
+            assert!(rendered(&knowing, format) == whole, "seed {seed}, {}", raster::name(format));
+            let mut stream = knowing.stream(format);
+            assert!(stream.checkpoint().offset > 0, "the head is there");
+            assert_eq!(stream.next_within(1, 1, &mut Vec::new()), More::More);
+            assert!(pulled(knowing.stream(format), &mut rng) == whole);
+            let offsets: Vec<u64> = (0..12).map(|_| rng.below(whole.len() as u64)).collect();
+            for offset in offsets.into_iter().chain([0, whole.len() as u64, u64::MAX]) {
+                let Some(from) = knowing.seek(format, offset) else { continue };
+                assert!(from.offset <= offset);
+                // Whoever does not know the table goes on there too.
+                for job in [&job, &knowing] {
+                    let got = pulled(job.stream_from(format, &from).expect("a place"), &mut rng);
+                    assert!(got == whole[from.offset as usize..], "seed {seed}, {}, {from:?}", raster::name(format));
+                }
+                places += 1;
+            }
+        }
+    }
+    assert!(places > 100, "{places} places");
 }
 
 /// Whatever a store hands in is refused or drawn, without a panic.
@@ -365,17 +419,17 @@ fn places_that_are_none() {
         let mut rng = Rng::new(seed);
         let job = any_job(&mut rng, seed);
         let lines = job.header().lines.clone();
-        for format in FORMATS {
+        for format in able(job.header()) {
             for line in [0, lines.start.wrapping_sub(1), lines.end + 1, u32::MAX] {
                 let from = Checkpoint { offset: 100, line, tally: [0; 3] };
-                assert!(lines.contains(&line) || job.stream_from(format, &from).is_err(), "{}, {from:?}", format.name);
+                assert!(lines.contains(&line) || job.stream_from(format, &from).is_err(), "{}, {from:?}", raster::name(format));
             }
             for _ in 0..8 {
                 let mut any = || [rng.next(), u64::MAX, rng.below(3000)][rng.below(3) as usize];
                 let (offset, tally) = (any(), [any(), any(), any()]);
                 let line = lines.start + rng.below(u64::from(lines.end - lines.start) + 1) as u32;
                 if let Ok(stream) = job.stream_from(format, &Checkpoint { offset, line, tally }) {
-                    assert!(job.length(format).is_none(), "{}: it does not begin a line", format.name);
+                    assert!(job.length(format).is_none(), "{}: it does not begin a line", raster::name(format));
                     pulled(stream, &mut rng);
                 }
             }

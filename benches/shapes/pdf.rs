@@ -23,8 +23,16 @@ pub fn write(shapes: &Shapes, out: &mut impl Write) -> io::Result<()> {
         }
         writeln!(drawing, "{fill}")?;
     }
+    page([SIDE.into(); 2], &drawing, out)
+}
+
+/// Writes a PDF of one page, so many points wide and high.
+///
+/// # Errors
+/// Those of `out`.
+pub fn page([width, height]: [f64; 2], drawing: &[u8], out: &mut impl Write) -> io::Result<()> {
     let mut file = b"%PDF-1.4\n".to_vec();
-    let page = format!("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {SIDE} {SIDE}] /Contents 4 0 R /Resources << >> >>");
+    let page = format!("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {width} {height}] /Contents 4 0 R /Resources << >> >>");
     let mut places = Vec::new();
     for (number, object) in (1..).zip(["<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R] /Count 1 >>", &page]) {
         places.push(file.len());
@@ -32,7 +40,7 @@ pub fn write(shapes: &Shapes, out: &mut impl Write) -> io::Result<()> {
     }
     places.push(file.len());
     writeln!(file, "4 0 obj\n<< /Length {} >>\nstream", drawing.len())?;
-    file.append(&mut drawing);
+    file.extend_from_slice(drawing);
     writeln!(file, "\nendstream\nendobj")?;
     let table = file.len();
     writeln!(file, "xref\n0 {}\n0000000000 65535 f ", places.len() + 1)?;

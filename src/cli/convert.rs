@@ -53,7 +53,7 @@ pub fn run(args: &Convert) -> Result<(), Failure> {
 
     let mut input = BufReader::with_capacity(CHUNK, source.open()?);
     let mut progress = Progress::new(&args.watch, None, output.is_terminal());
-    runset::job::convert(&mut input, format, args.dpi, &mut output, &mut |done| progress.set(done))
+    runset::job::convert_to(&mut input, format, args.dpi, output.out(), &mut |done| progress.set(done))
         .map_err(|error| ends.failure(&error))?;
     drop(progress);
     output.finish()

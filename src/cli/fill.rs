@@ -179,6 +179,6 @@ impl Fill {
         ends.warn(&warnings, self.work.strict)?;
 
         let mut progress = Progress::new(&self.work.watch, Some(job.header().height()), output.is_terminal());
-        job.render(format, options.limits.threads, output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))
+        job.render_to(format, options.limits.threads, output.out(), &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))
     }
 }

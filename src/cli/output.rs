@@ -11,6 +11,7 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use runset::encode::{FORMATS, Format, by_extension};
+use runset::job::Out;
 use runset::mesh::stl;
 use tempfile::TempPath;
 
@@ -24,19 +25,24 @@ use super::values::{self, Content};
 pub struct Target {
     /// File to write; - is standard output [default: -]
     ///
-    /// A regular file appears under this name when it is complete, and not before. Devices and FIFOs are written directly.
+    /// A regular file appears under this name when it is complete, and not before. Devices and FIFOs are written directly. The head of a compressed TIFF tells how long
+    /// its strips are: into a pipe, a device or a FIFO it goes by way of a temporary file without a name, in the folder that TMPDIR names (else /tmp).
     #[arg(short = 'o', long = "output", value_name = "OUT", value_hint = clap::ValueHint::FilePath)]
     path: Option<PathBuf>,
 
     /// Format of the output [default: from OUT's extension, else ndjson; png for solid]
     #[arg(long, value_name = "FORMAT", value_parser = values::format())]
     format: Option<Content>,
+
+    /// Compression, in a format that has several [default: what suits the picture]
+    #[arg(long, value_name = "HOW", value_parser = values::compression())]
+    compression: Option<String>,
 }
 
 impl Target {
     /// A file of that name.
     pub fn named(path: &Path) -> Target {
-        Target { path: Some(path.to_owned()), format: None }
+        Target { path: Some(path.to_owned()), format: None, compression: None }
     }
 
     /// The one of that number of several outputs: its name has the number in the place of `%d` or, with zeros in front, of `%03d`. None if the name has no such place.
@@ -50,7 +56,7 @@ impl Target {
             (end == 0 || end == 2 && rest.starts_with('0')).then(|| (&text[..at], &rest[..end], behind))
         })?;
         let width = digits.parse().unwrap_or(0);
-        Some(Target { path: Some(format!("{before}{number:0width$}{behind}").into()), format: self.format })
+        Some(Target { path: Some(format!("{before}{number:0width$}{behind}").into()), ..self.clone() })
     }
 
     /// What messages call it.
@@ -69,11 +75,15 @@ impl Target {
     /// The same with another format for an output whose name says none.
     ///
     /// # Errors
-    /// No format of rasters has that name or extension.
+    /// No format of rasters has that name or extension, or it does not have the compression that was asked for.
     pub fn format_or(&self, default: &str) -> Result<&'static Format, Failure> {
         if self.is_surface() {
             return Err(Failure::Usage(format!("{} is for surfaces of models: runset solid writes it", stl::NAME)));
         }
+        self.raster(default)?.compressed(self.compression.as_deref()).map_err(|what| Failure::Usage(format!("--compression: {what}")))
+    }
+
+    fn raster(&self, default: &str) -> Result<&'static Format, Failure> {
         if let Some(Content::Raster(format)) = self.format {
             return Ok(format);
         }
@@ -91,6 +101,11 @@ impl Target {
     pub fn is_surface(&self) -> bool {
         let extension = || self.path().and_then(Path::extension).is_some_and(|e| e.eq_ignore_ascii_case(stl::EXTENSION));
         matches!(self.format, Some(Content::Surface)) || self.format.is_none() && extension()
+    }
+
+    /// Whether a compression is asked for.
+    pub fn is_compressed(&self) -> bool {
+        self.compression.is_some()
     }
 
     /// The file, unless it is standard output.
@@ -188,6 +203,11 @@ impl Output {
     /// What messages call it.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Where a raster is to be written.
+    pub fn out(&mut self) -> Out<'_> {
+        if self.unfinished.is_some() { Out::File(&mut self.file) } else { Out::Stream(&mut self.file) }
     }
 
     /// Whether what is written appears on a terminal.

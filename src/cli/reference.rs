@@ -7,7 +7,7 @@ use runset::mesh::stl;
 use super::messages::{Failure, print};
 use super::table::table;
 
-/// List the formats: name, extensions, media type
+/// List the formats: name, extensions, media type, compressions
 #[derive(clap::Args)]
 pub struct Formats {}
 
@@ -43,11 +43,14 @@ pub struct Man {
 /// # Errors
 /// Standard output fails.
 pub fn formats() -> Result<(), Failure> {
-    let heading = ["format", "extensions", "media type", "about"].map(str::to_owned);
-    let row = |f: &Format| [f.name, &f.extensions.join(" "), f.media_type, f.about].map(str::to_owned);
-    let surface = [stl::NAME, stl::EXTENSION, stl::MEDIA_TYPE, stl::ABOUT].map(str::to_owned);
+    let heading = ["format", "extensions", "media type", "compression", "about"].map(str::to_owned);
+    let row = |f: &Format| {
+        let compressions: Vec<_> = f.compressions.iter().filter_map(|format| format.compression_name()).collect();
+        [f.name, &f.extensions.join(" "), f.media_type, &compressions.join(" "), f.about].map(str::to_owned)
+    };
+    let surface = [stl::NAME, stl::EXTENSION, stl::MEDIA_TYPE, "", stl::ABOUT].map(str::to_owned);
     let rows: Vec<_> = std::iter::once(heading).chain(FORMATS.iter().map(row)).chain([surface]).collect();
-    print(&table(rows.len(), [false; 4], |i, cells| cells.clone_from(&rows[i])))
+    print(&table(rows.len(), [false; 5], |i, cells| cells.clone_from(&rows[i])))
 }
 
 /// Prints the completions of a shell.

@@ -149,6 +149,7 @@ impl Solid {
             (self.lines.is_some(), "--lines"),
             (self.dpi.is_some(), "--dpi"),
             (!self.aov.is_empty(), "--aov"),
+            (self.output.is_compressed(), "--compression"),
         ];
         given.into_iter().find_map(|(given, name)| given.then_some(name))
     }
@@ -254,7 +255,7 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
         let job = Job::solid(&kept, &asked).map_err(|error| ends.failure(&error))?;
         let mut progress = Progress::new(&args.work.watch, Some(header.height()), output.is_terminal());
         let stats = job
-            .render(format, args.work.limits().threads, &mut output, &mut |done| progress.set(done))
+            .render_to(format, args.work.limits().threads, output.out(), &mut |done| progress.set(done))
             .map_err(|error| ends.failure(&error))?;
         drop(progress);
         let of_numbers = if numbers.is_empty() || asked.look.antialias == 1 { None } else { Some(Job::solid(&kept, &asked.of_numbers())) };

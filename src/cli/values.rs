@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use runset::encode::{FORMATS, Format, by_name};
+use runset::encode::{Compression, FORMATS, Format, by_name, variants};
 use runset::job::TOLERANCES;
 use runset::mesh::stl;
 
@@ -22,6 +22,17 @@ pub fn format() -> impl TypedValueParser<Value = Content> {
     let names = FORMATS.iter().map(|format| (format.name, format.about)).chain([(stl::NAME, stl::ABOUT)]);
     PossibleValuesParser::new(names.map(|(name, about)| PossibleValue::new(name).help(about)))
         .map(|name| by_name(&name).map_or(Content::Surface, Content::Raster))
+}
+
+/// The name of a compression that some format has.
+pub fn compression() -> impl TypedValueParser<Value = String> {
+    let mut all: Vec<Compression> = Vec::new();
+    for compression in variants().filter_map(|format| format.compression) {
+        if all.iter().all(|known| known.name != compression.name) {
+            all.push(compression);
+        }
+    }
+    PossibleValuesParser::new(all.into_iter().map(|compression| PossibleValue::new(compression.name).help(compression.about)))
 }
 
 /// A whole number within bounds.

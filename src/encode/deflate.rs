@@ -88,6 +88,11 @@ impl Block {
         self.last.1 += n;
     }
 
+    /// How many symbols are kept, without those of the equal bytes at the end. It depends on the bytes alone.
+    pub fn symbols(&self) -> usize {
+        self.symbols.len()
+    }
+
     /// Makes symbols of the equal bytes at the end.
     fn end_run(&mut self) {
         let (byte, n) = self.last;

@@ -27,11 +27,44 @@ pub struct Format {
     pub pages: bool,
     /// Whether it can hold a raster: its size, its resolution. A refusal says what to ask for.
     pub fits: fn(&Header) -> Result<()>,
+    /// The same format in each compression that can be chosen; none where there is no choice. This one takes what suits the raster.
+    pub compressions: &'static [&'static Format],
+    /// Which of them this is.
+    pub compression: Option<Compression>,
     /// Makes a writer for one raster.
     pub encoder: fn(&Header) -> Box<dyn Encode>,
 }
 
+/// A compression that can be chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Compression {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// One line for people.
+    pub about: &'static str,
+}
+
 impl Format {
+    /// The format in the compression of that name, or in the one that suits the raster.
+    ///
+    /// # Errors
+    /// It has no such compression.
+    pub fn compressed(&'static self, name: Option<&str>) -> std::result::Result<&'static Format, String> {
+        let Some(name) = name else { return Ok(self) };
+        self.compressions.iter().find(|format| format.compression_name() == Some(name)).copied().ok_or_else(|| {
+            let names: Vec<_> = self.compressions.iter().filter_map(|format| format.compression_name()).collect();
+            match &names[..] {
+                [] => format!("{} has no choice of compressions: leave it out", self.name),
+                names => format!("{} has no compression {name:?}: give one of {}", self.name, names.join(", ")),
+            }
+        })
+    }
+
+    /// The name of the compression that was chosen.
+    pub fn compression_name(&self) -> Option<&'static str> {
+        self.compression.map(|compression| compression.name)
+    }
+
     /// Checks before the first byte that it can hold a raster.
     ///
     /// # Errors
@@ -50,7 +83,11 @@ impl Format {
             return Ok(());
         }
         let others: Vec<_> = FORMATS.iter().filter(|format| format.pages).map(|format| format.name).collect();
-        let what = format!("a file of {} is one page, and {pages} are asked for: ask for one, or for a format of {}", self.name, others.join(", "));
+        let what = format!(
+            "a file of {} is one page, and {pages} are asked for: ask for one, or for a format of {}",
+            self.name,
+            others.join(", ")
+        );
         Err(Error::parameter(what))
     }
 }
@@ -84,6 +121,9 @@ pub struct Restart {
 ///   lines     | - - - - - - = = =      written: the bytes of - ; kept: = , an open record or segment
 ///   restart                 ^          the first line of it, and the tally of those before
 /// ```
+///
+/// Some bytes may depend on lines behind them, such as a list of strips in the head. What of it is not fixed by the header is a *table*: the raster's writer knows it
+/// behind `end`, and another writer that was told it ([`Encode::know`]) writes all bytes as they are. Until then `begin` writes as many zeros.
 pub trait Encode: Send {
     /// About how many bytes each further of some equal lines adds to `out`. The caller splits a large [`Lines::n`] by it, so
     /// that `out` stays small; 0: there is nothing to split, whatever their number.
@@ -96,6 +136,10 @@ pub trait Encode: Send {
     fn end(&mut self, out: &mut Vec<u8>);
     /// At multiples of how many lines of the page it is best to cut strips for `part`. A strip is about that long at most.
     fn strip_lines(&self) -> u32;
+    /// The line of the page from which on these multiples count: the page's first, unless the format cuts by the raster's.
+    fn strips_from(&self) -> u32 {
+        0
+    }
     /// Writes those lines of `strip` that need nothing from above them and leave nothing to those below, and says which. To be called
     /// on a writer that is asked for nothing else.
     fn part(&mut self, strip: &Strip, out: &mut Vec<u8>) -> Part;
@@ -115,8 +159,20 @@ pub trait Encode: Send {
     fn seek(&self, _offset: u64) -> Option<(u64, Restart)> {
         None
     }
+    /// The table, in formats that have one: complete behind `end`, and once it was told.
+    fn table(&self) -> Option<&[u64]> {
+        None
+    }
+    /// Tells a new writer, before `begin` or `resume`, the table that another writer of the raster had behind its end. One that cannot be of this raster is not
+    /// taken; of another raster it makes wrong bytes.
+    fn know(&mut self, _table: &[u64]) {}
+    /// Whether `begin` writes the bytes that stand there, and not zeros for want of the table.
+    fn head_is_known(&self) -> bool {
+        true
+    }
 }
 
+mod adler;
 mod changes;
 mod deflate;
 mod groups;
@@ -135,7 +191,20 @@ macro_rules! formats {
     };
 }
 
-formats! { pbm pgm ppm png pwg urf ndjson rls }
+formats! { pbm pgm ppm png tiff pwg urf ndjson rls }
+
+/// All formats, and behind each the same in every compression that can be chosen.
+pub fn variants() -> impl Iterator<Item = &'static Format> {
+    FORMATS.iter().flat_map(|format| std::iter::once(format).chain(format.compressions.iter().copied()))
+}
+
+/// What stands before the first line of a raster whose table is known.
+pub fn head(format: &Format, header: &Header, table: &[u64]) -> Vec<u8> {
+    let (mut writer, mut head) = ((format.encoder)(header), Vec::new());
+    writer.know(table);
+    writer.begin(&mut head);
+    head
+}
 
 /// The format of that name.
 pub fn by_name(name: &str) -> Option<&'static Format> {

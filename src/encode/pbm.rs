@@ -15,10 +15,12 @@ pub const FORMAT: Format = Format {
     version: 1,
     pages: false,
     fits: holds_all,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P4\n{} {}\n", header.width, header.height());
+    let head = format!("P4\n{} {}\n", header.width, header.height()).into_bytes();
     rows::plain(head, header, 1, |runs, row| rows::packed(row, 1, runs, |ink| u8::from(ink > 0)))
 }

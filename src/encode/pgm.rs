@@ -15,11 +15,13 @@ pub const FORMAT: Format = Format {
     version: 1,
     pages: false,
     fits: holds_all,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P5\n{} {}\n255\n", header.width, header.height());
+    let head = format!("P5\n{} {}\n255\n", header.width, header.height()).into_bytes();
     let inks = header.inks.clone();
     match &header.inks {
         Inks::Listed(list) => {

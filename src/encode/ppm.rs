@@ -15,11 +15,13 @@ pub const FORMAT: Format = Format {
     version: 1,
     pages: false,
     fits: holds_all,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 
 fn encoder(header: &Header) -> Box<dyn Encode> {
-    let head = format!("P6\n{} {}\n255\n", header.width, header.height());
+    let head = format!("P6\n{} {}\n255\n", header.width, header.height()).into_bytes();
     let colours = rows::Colours::new(&header.inks);
     rows::plain(head, header, 24, move |runs, row| colours.paint(row, runs))
 }

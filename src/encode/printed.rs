@@ -26,7 +26,11 @@ pub fn within(format: &str, header: &Header, finest: u32, longest: u32) -> Resul
     let what = if !(1.0..=f64::from(finest)).contains(&dpi.round()) {
         format!("{format} takes 1 to {finest} dots an inch, and {dpi} were asked for: ask for another resolution")
     } else if header.width > longest || header.height() > longest {
-        format!("{format} takes at most {longest} px a side, and the page is {} x {}: ask for a smaller size", header.width, header.height())
+        format!(
+            "{format} takes at most {longest} px a side, and the page is {} x {}: ask for a smaller size",
+            header.width,
+            header.height()
+        )
     } else {
         return Ok(());
     };

@@ -15,6 +15,8 @@ pub const FORMAT: Format = Format {
     version: 1,
     pages: false,
     fits: holds_all,
+    compressions: &[],
+    compression: None,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -90,7 +90,7 @@ const STRIP_BYTES: usize = 1 << 19;
 
 /// A writer of `head` and then rows of pixels of `depth` bits, over which `paint` writes paper and then changes, as [`Shown`] gives them. What fills up
 /// a row's last byte is 0.
-pub fn plain(head: String, header: &Header, depth: u32, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
+pub fn plain(head: Vec<u8>, header: &Header, depth: u32, paint: impl Fn(&[Run], &mut [u8]) + Send + 'static) -> Box<dyn Encode> {
     let shown = Shown::new(header.width, depth);
     let raster = header.lines.clone();
     let mut row = vec![0; shown.row_bytes()];
@@ -99,7 +99,7 @@ pub fn plain(head: String, header: &Header, depth: u32, paint: impl Fn(&[Run], &
 }
 
 struct Plain<P> {
-    head: String,
+    head: Vec<u8>,
     /// The lines of the raster, and the one that is written next.
     raster: Range<u32>,
     next: u32,
@@ -114,7 +114,7 @@ impl<P: Fn(&[Run], &mut [u8]) + Send> Encode for Plain<P> {
     }
 
     fn begin(&mut self, out: &mut Vec<u8>) {
-        out.extend_from_slice(self.head.as_bytes());
+        out.extend_from_slice(&self.head);
     }
 
     fn lines(&mut self, lines: Lines<'_>, out: &mut Vec<u8>) {

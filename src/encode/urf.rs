@@ -24,6 +24,8 @@ pub const FORMAT: Format = Format {
     version: 1,
     pages: true,
     fits,
+    compressions: &[],
+    compression: None,
     encoder,
 };
 

@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, Write};
 
+use super::outlet::{Out, Outlet};
 use super::pump::{PORTION, Pump};
 use super::write;
 use crate::encode::Format;
@@ -21,24 +22,39 @@ pub fn convert(
     out: &mut dyn Write,
     progress: &mut dyn FnMut(u32),
 ) -> Result<Header> {
+    convert_to(input, format, dpi, Out::Stream(out), progress)
+}
+
+/// The same with a file to write, where no format needs a temporary one.
+///
+/// # Errors
+/// Those of [`convert`].
+pub fn convert_to(
+    input: &mut dyn BufRead,
+    format: &Format,
+    dpi: Option<f64>,
+    out: Out<'_>,
+    progress: &mut dyn FnMut(u32),
+) -> Result<Header> {
     let mut reader = LineReader::open(input)?;
     let header = Header { dpi, ..reader.header().clone() };
     format.check(&header)?;
     let mut bytes = Vec::with_capacity(2 * PORTION);
-    let mut pump = Pump::new(format, &header, &mut bytes);
+    let mut pump = Pump::new((format.encoder)(&header), &mut bytes);
+    let mut out = Outlet::new(out, pump.encoder())?;
     while let Some(Lines { mut y, mut n, runs }) = reader.next_lines()? {
         while n > 0 {
             let took = pump.push(Lines { y, n, runs }, &mut bytes);
             (y, n) = (y + took, n - took);
             if bytes.len() >= PORTION {
-                write(out, &mut bytes)?;
+                write(&mut out, &mut bytes)?;
                 progress(pump.lines);
             }
         }
     }
     pump.finish(&mut bytes);
-    write(out, &mut bytes)?;
-    out.flush().map_err(|error| crate::error::Error::output(&error))?;
+    write(&mut out, &mut bytes)?;
+    out.finish(format, &header, pump.encoder())?;
     progress(pump.lines);
     Ok(header)
 }

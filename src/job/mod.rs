@@ -17,6 +17,7 @@ mod info;
 mod kept;
 mod model;
 mod moves;
+mod outlet;
 mod pick;
 mod pump;
 mod queue;
@@ -28,13 +29,14 @@ mod source;
 mod stream;
 mod view;
 
-pub use convert::convert;
+pub use convert::{convert, convert_to};
 pub use evaluate::{evaluate, stl};
 pub use explain::{Explanation, How, Line, Step, Vertex, explain};
 pub use info::{Entry, Info, info};
 pub use kept::Kept;
 pub use model::{ModelEntry, ModelInfo, model_info};
 pub use moves::{MAX_MOVES, Move, movement};
+pub use outlet::{Out, Rewind};
 pub use pick::{KeptPart, Pick};
 pub use sheets::render_sheets;
 pub use size::{Size, lines};
@@ -51,6 +53,7 @@ use std::time::Instant;
 
 use crate::count::{Node, Program, Rule};
 use crate::edge::Builder;
+use crate::encode::{Encode, Format};
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::Counting;
 use crate::region::Picture;
@@ -167,7 +170,12 @@ pub struct Job {
     prepare_seconds: f64,
     /// Faces and parts of a model.
     solid: Option<SolidStats>,
+    /// See [`Job::knowing`].
+    table: Option<Table>,
 }
+
+/// What [`Encode::table`] gives of a whole raster.
+pub type Table = Arc<[u64]>;
 
 impl Job {
     /// Flattens and sorts what the picture needs. `warnings` receives what is worth saying.
@@ -215,7 +223,24 @@ impl Job {
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
             solid: None,
+            table: None,
         })
+    }
+
+    /// The same job for one that knows the table of its raster in the format that it will be written in, from [`Stream::table`]: no such raster needs two passes
+    /// any more, and its length is known. Of another raster it makes wrong bytes.
+    #[must_use]
+    pub fn knowing(&self, table: Option<Table>) -> Job {
+        Job { table, ..self.clone() }
+    }
+
+    /// A writer of the raster.
+    fn encoder(&self, format: &Format) -> Box<dyn Encode> {
+        let mut encoder = (format.encoder)(&self.header);
+        if let Some(table) = &self.table {
+            encoder.know(table);
+        }
+        encoder
     }
 
     /// The raster's header.

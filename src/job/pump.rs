@@ -1,6 +1,6 @@
 //! Between rows and bytes: hands lines to an encoder in portions, so that what is pending stays small.
 
-use crate::encode::{Encode, Format, Restart};
+use crate::encode::{Encode, Restart};
 use crate::run::{Header, Lines, RECORD_LINES};
 
 /// About how many bytes are gathered before they are written.
@@ -19,8 +19,7 @@ pub struct Pump {
 
 impl Pump {
     /// Writes the beginning of the raster to `out`.
-    pub fn new(format: &Format, header: &Header, out: &mut Vec<u8>) -> Pump {
-        let mut encoder = (format.encoder)(header);
+    pub fn new(mut encoder: Box<dyn Encode>, out: &mut Vec<u8>) -> Pump {
         encoder.begin(out);
         Pump::of(encoder, 0)
     }
@@ -43,6 +42,11 @@ impl Pump {
         self.lines += lines.n;
         self.encoder.lines(lines, out);
         lines.n
+    }
+
+    /// The encoder.
+    pub fn encoder(&self) -> &dyn Encode {
+        &*self.encoder
     }
 
     /// Where another writer can go on.

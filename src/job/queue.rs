@@ -42,18 +42,18 @@ impl Sweep {
         Box::new(Sweep { rows, left: (0, 0) })
     }
 
-    /// Fills `strip` up to a multiple of `lines` lines, or with about [`STRIP_RUNS`] runs; false behind the last line.
-    fn fill(&mut self, strip: &mut Strip, lines: u32) -> bool {
+    /// Fills `strip` up to a multiple of `lines` lines behind `from`, or with about [`STRIP_RUNS`] runs; false behind the last line.
+    fn fill(&mut self, strip: &mut Strip, from: u32, lines: u32) -> bool {
         loop {
             if self.left.1 == 0 {
                 let Some(row) = self.rows.next() else { return false };
                 self.left = (row.y, row.n);
             }
             let (y, left) = self.left;
-            let n = left.min(lines - y % lines);
+            let n = left.min(lines - (y - from) % lines);
             strip.push(Lines { y, n, runs: self.rows.runs() });
             self.left = (y + n, left - n);
-            if (y + n).is_multiple_of(lines) || strip.stored_runs() >= STRIP_RUNS {
+            if (y + n - from).is_multiple_of(lines) || strip.stored_runs() >= STRIP_RUNS {
                 return true;
             }
         }
@@ -224,10 +224,10 @@ impl Queue {
         })
     }
 
-    /// Sweeps a band on by a strip, cut at multiples of `lines` lines.
-    pub fn sweep(&self, band: usize, mut sweep: Box<Sweep>, lines: u32) {
+    /// Sweeps a band on by a strip, cut at multiples of `lines` lines behind line `from`, which is none of the later ones.
+    pub fn sweep(&self, band: usize, mut sweep: Box<Sweep>, from: u32, lines: u32) {
         let mut strip = self.state().spare_strips.pop().unwrap_or_default();
-        let more = sweep.fill(&mut strip, lines);
+        let more = sweep.fill(&mut strip, from, lines);
         let mut state = self.state();
         state.stored_runs += strip.stored_runs();
         let place = band - state.first;

@@ -10,27 +10,37 @@ use std::ops::Range;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+use super::outlet::{Out, Outlet};
 use super::pump::PORTION;
 use super::queue::{Member, Queue, Ready, Sweep, Work};
 use super::source::Cost;
 use super::{Job, SolidStats, Stats, write};
 use crate::encode::{Encode, Format};
 use crate::error::{Error, Result};
+use crate::run::Header;
 
 impl Job {
     /// Writes the whole raster with `threads` threads. `progress` is called with the number of lines written so far, now and then. The bytes
     /// do not depend on `threads`.
     ///
     /// # Errors
-    /// Before the first byte, what [`Format::check`] says; what the writer says, [`crate::error::Kind::Closed`] if its reader went away.
+    /// Before the first byte, what [`Format::check`] says; what the writer says; [`crate::error::Kind::Closed`] if its reader went away.
     pub fn render(&self, format: &Format, threads: usize, out: &mut dyn Write, progress: &mut dyn FnMut(u32)) -> Result<Stats> {
+        self.render_to(format, threads, Out::Stream(out), progress)
+    }
+
+    /// The same with a file to write, where no format needs a temporary one.
+    ///
+    /// # Errors
+    /// Those of [`Job::render`].
+    pub fn render_to<'o>(&self, format: &Format, threads: usize, out: Out<'o>, progress: &'o mut dyn FnMut(u32)) -> Result<Stats> {
         format.check(&self.header)?;
         let swept = Instant::now();
         let bands: Vec<Range<u32>> = self.bands().collect();
         let threads = threads.max(1);
         let queue = Queue::new(bands.len(), threads.min(bands.len()));
         let shared = Shared { job: self, bands, queue, first_line: OnceLock::new() };
-        let mut joiner = Joiner::new((format.encoder)(&self.header), out, progress);
+        let mut joiner = Joiner::new(self.encoder(format), out, progress)?;
 
         std::thread::scope(|scope| -> Result<()> {
             let _member = Member(&shared.queue);
@@ -53,7 +63,7 @@ impl Job {
                 }
             }
         })?;
-        joiner.finish()?;
+        joiner.finish(format, &self.header)?;
 
         let Joiner { lines, runs, cost, .. } = joiner;
         let Cost { rows, spans } = cost;
@@ -98,7 +108,7 @@ impl Shared<'_> {
         match work {
             Work::Sweep(band, sweep) => {
                 let sweep = sweep.unwrap_or_else(|| Sweep::new(self.job.source.rows(self.bands[band].clone())));
-                self.queue.sweep(band, sweep, encoder.strip_lines());
+                self.queue.sweep(band, sweep, encoder.strips_from(), encoder.strip_lines());
                 self.first_line.get_or_init(|| self.job.started.elapsed());
             }
             Work::Encode(band, place, mut ready) => {
@@ -115,7 +125,7 @@ impl Shared<'_> {
 /// Puts parts and the lines between them together, and writes them.
 struct Joiner<'o> {
     encoder: Box<dyn Encode>,
-    out: &'o mut dyn Write,
+    out: Outlet<'o>,
     progress: &'o mut dyn FnMut(u32),
     /// Bytes to be written before any part.
     pending: Vec<u8>,
@@ -125,10 +135,11 @@ struct Joiner<'o> {
 }
 
 impl<'o> Joiner<'o> {
-    fn new(mut encoder: Box<dyn Encode>, out: &'o mut dyn Write, progress: &'o mut dyn FnMut(u32)) -> Joiner<'o> {
+    fn new(mut encoder: Box<dyn Encode>, out: Out<'o>, progress: &'o mut dyn FnMut(u32)) -> Result<Joiner<'o>> {
+        let out = Outlet::new(out, &*encoder)?;
         let mut pending = Vec::new();
         encoder.begin(&mut pending);
-        Joiner { encoder, out, progress, pending, lines: 0, runs: 0, cost: Cost::default() }
+        Ok(Joiner { encoder, out, progress, pending, lines: 0, runs: 0, cost: Cost::default() })
     }
 
     /// Takes the next strip.
@@ -157,13 +168,13 @@ impl<'o> Joiner<'o> {
     }
 
     fn flush(&mut self) -> Result<()> {
-        if self.pending.is_empty() { Ok(()) } else { write(self.out, &mut self.pending) }
+        if self.pending.is_empty() { Ok(()) } else { write(&mut self.out, &mut self.pending) }
     }
 
-    fn finish(&mut self) -> Result<()> {
+    fn finish(&mut self, format: &Format, header: &Header) -> Result<()> {
         self.encoder.end(&mut self.pending);
         self.flush()?;
-        self.out.flush().map_err(|error| Error::output(&error))?;
+        self.out.finish(format, header, &*self.encoder)?;
         (self.progress)(self.lines);
         Ok(())
     }

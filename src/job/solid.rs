@@ -142,6 +142,7 @@ impl Job {
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),
             solid: Some(SolidStats { faces: model.faces(), primitives: model.parts(), ..SolidStats::default() }),
+            table: None,
         })
     }
 

@@ -8,13 +8,16 @@
 //!   lines          |--------------|= = =                = are in an open record or segment: swept again
 //!   checkpoint                    ^ offset, line, tally
 //! ```
+//!
+//! Where the head depends on lines behind it, a stream makes two passes, the first of which gives no bytes, unless the job knows the table that comes of it
+//! ([`Job::knowing`]).
 
 use std::ops::Range;
 
-use super::Job;
 use super::pump::{PORTION, Pump};
 use super::source::{Cost, Rows};
-use crate::encode::{Format, Restart};
+use super::{Job, Table};
+use crate::encode::{Encode, Format, Restart};
 use crate::error::{Error, Result};
 use crate::run::Lines;
 
@@ -45,6 +48,9 @@ pub struct Checkpoint {
 /// The raster of a job, pulled portion by portion.
 pub struct Stream {
     job: Job,
+    format: Format,
+    /// Whether this is the first of two passes.
+    first: bool,
     /// Bands still to be begun.
     bands: Box<dyn Iterator<Item = Range<u32>> + Send>,
     rows: Option<Rows>,
@@ -64,20 +70,31 @@ pub struct Stream {
 impl Job {
     /// The raster as a stream. Whether the format can hold it is for the caller to ask ([`Format::check`]).
     pub fn stream(&self, format: &Format) -> Stream {
-        let mut begun = Vec::new();
-        let pump = Pump::new(format, &self.header, &mut begun);
-        self.stream_of(pump, begun, self.header.lines.start, 0)
+        let encoder = self.encoder(format);
+        let first = !encoder.head_is_known();
+        let stream = self.stream_of(format, encoder);
+        if first { Stream { first, begun: Vec::new(), ..stream } } else { stream }
     }
 
-    /// The rest of the raster from a checkpoint on: the bytes behind its offset.
+    /// The raster from its head on, as `encoder` writes it.
+    fn stream_of(&self, format: &Format, encoder: Box<dyn Encode>) -> Stream {
+        let mut begun = Vec::new();
+        let pump = Pump::new(encoder, &mut begun);
+        Stream::new(self, format, pump, begun, self.header.lines.start, 0)
+    }
+
+    /// The rest of the raster from a checkpoint on: the bytes behind its offset. One at byte 0 is the beginning.
     ///
     /// # Errors
     /// A place that is not in the raster; in formats of a fixed length, one that is not the beginning of a line. Of another job, or with other
     /// sums, it makes wrong bytes.
     pub fn stream_from(&self, format: &Format, from: &Checkpoint) -> Result<Stream> {
-        let encoder = (format.encoder)(&self.header);
+        let encoder = self.encoder(format);
         let Range { start, end } = self.header.lines;
         let restart = Restart { line: from.line, tally: from.tally };
+        if (from.offset, restart) == (0, Restart { line: start, tally: [0; 3] }) {
+            return Ok(self.stream(format));
+        }
         let fixed = encoder.length().is_some();
         if !(start..=end).contains(&from.line) || fixed && encoder.seek(from.offset) != Some((from.offset, restart)) {
             let (name, Checkpoint { offset, line, .. }) = (format.name, from);
@@ -85,28 +102,39 @@ impl Job {
             return Err(Error::parameter(what));
         }
         let pump = Pump::resume(encoder, &self.header, &restart);
-        Ok(self.stream_of(pump, Vec::new(), from.line, from.offset))
-    }
-
-    fn stream_of(&self, pump: Pump, begun: Vec<u8>, line: u32, offset: u64) -> Stream {
-        let bands = Box::new(self.bands_from(line));
-        Stream { job: self.clone(), bands, rows: None, left: (0, 0), pump, begun, offset, cost: Cost::default(), end: None }
+        Ok(Stream::new(self, format, pump, Vec::new(), from.line, from.offset))
     }
 
     /// Bytes of the whole raster in formats in which they are known beforehand.
     pub fn length(&self, format: &Format) -> Option<u64> {
-        (format.encoder)(&self.header).length()
+        self.encoder(format).length()
     }
 
     /// The last place at or before byte `offset` where the raster can be taken up, in formats in which that is known beforehand. None within
     /// what stands before the first line.
     pub fn seek(&self, format: &Format, offset: u64) -> Option<Checkpoint> {
-        let (offset, Restart { line, tally }) = (format.encoder)(&self.header).seek(offset)?;
+        let (offset, Restart { line, tally }) = self.encoder(format).seek(offset)?;
         Some(Checkpoint { offset, line, tally })
     }
 }
 
 impl Stream {
+    fn new(job: &Job, format: &Format, pump: Pump, begun: Vec<u8>, line: u32, offset: u64) -> Stream {
+        Stream {
+            job: job.clone(),
+            format: *format,
+            first: false,
+            bands: Box::new(job.bands_from(line)),
+            rows: None,
+            left: (0, 0),
+            pump,
+            begun,
+            offset,
+            cost: Cost::default(),
+            end: None,
+        }
+    }
+
     /// Appends about 64 KiB to `out` (more where one line is longer; less, or nothing, where so few bytes are much work), and tells whether there is
     /// more. After the end it appends nothing.
     pub fn next_band(&mut self, out: &mut Vec<u8>) -> More {
@@ -125,8 +153,25 @@ impl Stream {
         if self.end.is_some() {
             return More::End;
         }
+        if self.first {
+            // The bytes are counted, and thrown away.
+            let mut unseen = Vec::new();
+            if self.sweep(bytes, work, 0, &mut unseen) == More::End {
+                let job = self.job.knowing(self.pump.encoder().table().map(Table::from));
+                let encoder = job.encoder(&self.format);
+                debug_assert!(encoder.head_is_known(), "a writer takes its own table");
+                *self = job.stream_of(&self.format, encoder);
+                out.append(&mut self.begun);
+            }
+            return More::More;
+        }
         let before = out.len();
         out.append(&mut self.begun);
+        self.sweep(bytes, work, before, out)
+    }
+
+    /// Writes on until `out` has so many bytes behind the first `before`, or so much work is done.
+    fn sweep(&mut self, bytes: usize, work: u64, before: usize, out: &mut Vec<u8>) -> More {
         let mut done = 0;
         loop {
             if let Some(rows) = self.rows.as_ref().filter(|_| self.left.1 > 0) {
@@ -157,8 +202,11 @@ impl Stream {
     }
 
     /// Where the raster can be taken up again, between two portions. Its offset is the stream's; before the first portion it is behind what
-    /// stands before the first line, and behind the end it is before what was written last.
+    /// stands before the first line, in the first of two passes it is the beginning, and behind the end it is before what was written last.
     pub fn checkpoint(&self) -> Checkpoint {
+        if self.first {
+            return Checkpoint { offset: 0, line: self.job.header.lines.start, tally: [0; 3] };
+        }
         self.end.unwrap_or_else(|| {
             let Restart { line, tally } = self.pump.restart();
             Checkpoint { offset: self.offset.saturating_add(self.begun.len() as u64), line, tally }
@@ -172,17 +220,28 @@ impl Stream {
 
     /// Lines of the raster that were handed to the encoder, those before a checkpoint included.
     pub fn lines(&self) -> u32 {
-        self.pump.lines
+        if self.first { 0 } else { self.pump.lines }
     }
 
-    /// What the sweep has cost so far, since the checkpoint.
+    /// Bytes of the whole raster, once they are known: from the beginning, behind the first of two passes, or behind the end.
+    pub fn length(&self) -> Option<u64> {
+        self.end.map(|_| self.offset).or_else(|| self.pump.encoder().length())
+    }
+
+    /// The raster's table, in formats that have one, once it is complete: what [`Job::knowing`] takes.
+    pub fn table(&self) -> Option<Table> {
+        let gathered = || self.end.and(self.pump.encoder().table()).map(Table::from);
+        self.job.table.clone().or_else(gathered)
+    }
+
+    /// What the sweep has cost so far, since the checkpoint or in this pass.
     pub fn cost(&self) -> Cost {
         let mut cost = self.cost;
         self.rows.iter().for_each(|rows| cost.add(&rows.cost()));
         cost
     }
 
-    /// Runs so far, since the checkpoint; those of repeated lines too.
+    /// Runs so far, since the checkpoint or in this pass; those of repeated lines too.
     pub fn runs(&self) -> u64 {
         self.pump.runs
     }

@@ -90,7 +90,8 @@ pub fn stream(
 
 /// The first bytes of a digest over a raster's key and its format, as a strong tag (RFC 9110, section 8.8.3).
 pub fn tag(key: &Key, fonts: &Fonts, format: &Format) -> String {
-    let by = format!("{} {} {} {}", env!("CARGO_PKG_VERSION"), fonts.fingerprint(), format.name, format.version);
+    let compression = format.compression_name().map(|name| format!(" {name}")).unwrap_or_default();
+    let by = format!("{} {} {} {}{compression}", env!("CARGO_PKG_VERSION"), fonts.fingerprint(), format.name, format.version);
     let digest = Sha256::new().chain_update(key).chain_update(by).finalize();
     let hex: String = digest[..16].iter().map(|byte| format!("{byte:02x}")).collect();
     format!("\"{hex}\"")

@@ -57,7 +57,7 @@ pub async fn info(
 /// How scanlines come about
 ///
 /// Tells of the lines that `lines` names, or all, which of them were counted; if `lines` names one alone, also its crossings from left to right, and what each
-/// did to the counts of the expression. `format` is of no use here.
+/// did to the counts of the expression. `format` and `compression` are of no use here.
 #[utoipa::path(
     post,
     path = "/v1/explain",
@@ -81,7 +81,7 @@ pub async fn explain(
     body: Body,
 ) -> Result<Json<Explanation>, Problem> {
     let params = FillParams::read(&query.unwrap_or_default())?;
-    params::format(params.format.as_deref(), "ndjson", &HeaderMap::new())?;
+    params::format(params.format.as_deref(), params.compression.as_deref(), "ndjson", &HeaderMap::new())?;
     let mut options = params.options()?;
     let document = service.uploads.read(&service.config, Kind::Fill.documents(), &headers, body).await?;
     let work = service.drawings.work(move |config| {

@@ -23,8 +23,8 @@ use crate::job::{More, Stream};
 
 /// Who is told of a raster's way.
 pub trait Follow: Send + Sync {
-    /// The stream has made a portion, and tells whether that was the last.
-    fn made(&self, stream: &Stream, more: More);
+    /// The stream has made a portion.
+    fn made(&self, stream: &Stream);
     /// The reader's connection was given the bytes up to `offset` of the raster, and so many of its lines at least in part.
     fn handed(&self, offset: u64, lines: u32);
     /// Whether to stop.
@@ -147,7 +147,7 @@ impl Raster {
             self.computed += took;
             let lines = stream.lines();
             if let Some(follow) = &self.follow {
-                follow.made(&stream, more);
+                follow.made(&stream);
             }
             self.stream = (more == More::More).then_some(stream);
             if let Some(started) = self.started.take_if(|_| !bytes.is_empty()) {
@@ -209,7 +209,7 @@ pub async fn exhaust(service: &Service, stream: Stream, follow: &dyn Follow) -> 
         }
         let Portion { more, stream: next, took, .. } = portion(service, at_hand).await?;
         computed += took;
-        follow.made(&next, more);
+        follow.made(&next);
         stream = (more == More::More).then_some(next);
     }
     Ok(())

@@ -163,7 +163,9 @@ fn picture(service: &Service, id: &Id, query: Option<&str>, headers: &HeaderMap)
     let (moves, from, options) = (asked.moves.moves()?, asked.moves.from()?, asked.solid.options()?);
     let key = key(&model, &asked);
     let format = Params::Solid(asked.solid).format(headers)?;
-    bounded(&service.config, &options.header()?)?;
+    let header = options.header()?;
+    bounded(&service.config, &header)?;
+    format.check(&header)?;
     let tag = answer::tag(&key, &service.config.fonts, format);
     let known = answer::is_known(&tag, headers)?;
     let tag = HeaderValue::from_str(&tag).map_err(Problem::internal)?;
@@ -209,8 +211,8 @@ pub struct Picked {
 
 /// What a pixel of a view shows
 ///
-/// The primitive that is seen there, with its place in the document, and the point of its surface; `null` where that is the background. One scanline of the view is drawn. `lines` and `format` are of no
-/// use here.
+/// The primitive that is seen there, with its place in the document, and the point of its surface; `null` where that is the background. One scanline of the view is drawn. `lines`, `format` and
+/// `compression` are of no use here.
 #[utoipa::path(
     get,
     path = "/v1/models/{id}/pick",

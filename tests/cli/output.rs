@@ -79,7 +79,12 @@ fn fifos_and_devices_are_written_directly() {
 fn a_reader_that_has_had_enough_ends_the_run_quietly() {
     let folder = Folder::new();
     folder.put("long.json", LONG);
-    for command in ["fill long.json", "fill long.json --format pbm --threads 2 --stats", "fill long.json -o /dev/stdout --format png"] {
+    for command in [
+        "fill long.json",
+        "fill long.json --format pbm --threads 2 --stats",
+        "fill long.json -o /dev/stdout --format png",
+        "fill long.json --lines 0..9999 --format tiff",
+    ] {
         let line = format!("$R {command} | head -c 10 | wc -c; echo ${{PIPESTATUS[0]}}");
         assert_eq!(ran(folder.shell(&line).output().unwrap()).done(), b"10\n0\n", "{command}");
     }
@@ -87,6 +92,30 @@ fn a_reader_that_has_had_enough_ends_the_run_quietly() {
         let line = format!("trap '' PIPE; $R {command} | true; echo ${{PIPESTATUS[0]}}");
         assert_eq!(ran(folder.shell(&line).output().unwrap()).done(), b"0\n", "{command}");
     }
+}
+
+/// What a pipe gets is what stands in a file, and nothing is left behind of what it went through.
+#[test]
+fn tiff_goes_into_pipes_through_a_temporary_file() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("tmp")).unwrap();
+    for options in
+        ["", "--compression g4", "--compression packbits", "--compression deflate", "--compression none", "--threads 1 --lines 2..9"]
+    {
+        folder.run(&format!("fill scene.json --scale 9 -o out.tiff {options}")).done();
+        let line = format!("TMPDIR=$PWD/tmp $R fill scene.json --scale 9 --format tiff {options} | cat > copy");
+        ran(folder.shell(&line).output().unwrap()).done();
+        assert!(folder.get("copy") == folder.get("out.tiff") && folder.get("copy").starts_with(b"II*\0"), "{options}");
+    }
+    ran(folder.shell("$R fill scene.json --scale 9 | $R convert - -o converted.tif").output().unwrap()).done();
+    folder.run("fill scene.json --scale 9 -o out.tiff").done();
+    assert!(folder.get("converted.tif") == folder.get("out.tiff"));
+    assert_eq!(fs::read_dir(folder.path("tmp")).unwrap().count(), 0);
+
+    let line = "TMPDIR=$PWD/missing $R fill scene.json --format tiff > /dev/null";
+    let ran = ran(folder.shell(line).output().unwrap());
+    assert!(ran.stderr.starts_with("<stdout>: the temporary file in ") && ran.stderr.lines().count() == 1, "{}", ran.stderr);
+    assert_eq!(ran.status, Some(1));
 }
 
 #[test]
@@ -109,12 +138,19 @@ fn a_full_disk_costs_one_line_and_nothing_else() {
     }
     fs::write(disk.join("out.pbm"), "old").unwrap();
     let ran = folder.run("fill long.json -o disk/out.pbm");
+    let spooled = folder
+        .shell("TMPDIR=$PWD/disk $R fill long.json --format tiff --compression packbits | wc -c; echo ${PIPESTATUS[0]}")
+        .output()
+        .unwrap();
     let left: Vec<_> = fs::read_dir(&disk).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     let old = fs::read(disk.join("out.pbm"));
     assert!(Command::new("umount").arg(&disk).status().unwrap().success());
     ran.refused(1, "disk/out.pbm: No space left on device");
     assert_eq!(left, ["out.pbm"]);
     assert_eq!(old.unwrap(), b"old");
+    let said = String::from_utf8(spooled.stderr).unwrap();
+    assert!(said.starts_with("<stdout>: the temporary file in ") && said.ends_with("No space left on device\n"), "{said}");
+    assert_eq!(spooled.stdout, b"0\n1\n", "nothing was written");
 }
 
 #[test]

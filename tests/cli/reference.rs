@@ -9,6 +9,8 @@ fn formats_are_a_table() {
     let ran = Folder::new().run("formats");
     let text = String::from_utf8(ran.done().to_vec()).unwrap();
     let column = text.find("media type").unwrap();
+    let tiff = text.lines().find(|line| line.starts_with("tiff")).unwrap();
+    assert!(tiff.contains(" tiff tif ") && tiff.contains(" g4 packbits deflate none "), "{tiff}");
     for (name, media_type) in
         [("png", "image/png"), ("pbm", "image/x-portable-bitmap"), ("ndjson", "application/x-ndjson"), ("stl", "model/stl")]
     {

@@ -41,6 +41,14 @@ fn wrong_usage_is_one_line() {
             "fill scene.json --progress yes",
             "invalid value 'yes' for '--progress <WHEN>' [possible values: auto, always, never] (see runset fill --help)",
         ),
+        (
+            "fill scene.json --format png --compression g4",
+            "--compression: png has no choice of compressions: leave it out (see runset fill --help)",
+        ),
+        (
+            "fill scene.json --format tiff --compression lzw",
+            "invalid value 'lzw' for '--compression <HOW>' [possible values: g4, packbits, deflate, none] (see runset fill --help)",
+        ),
         ("fill scene.json --lines 3..11", "lines 3..11 are not on the page: it has 10 lines, 0..10 (see runset fill --help)"),
         (
             "fill scene.json --scale 1e6",

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-use runset::encode::{self, Encode, Strip};
+use runset::encode::{self, Encode, Format, Strip};
 use runset::run::{Header, Inks, Lines, Rgb, Run, Sheet, ink_of};
 
 /// SplitMix64: the same numbers from the same seed, everywhere.
@@ -72,7 +72,7 @@ impl Raster {
         }
     }
 
-    /// Writes it line by line, and takes all bytes at the end.
+    /// Writes it line by line, and takes all bytes at the end. A format is named as [`name`] does it.
     pub fn encode(&self, format: &str) -> Vec<u8> {
         let mut out = Vec::new();
         let mut encoder = encoder(format, &self.header);
@@ -81,6 +81,7 @@ impl Raster {
             encoder.lines(Lines { y, n: 1, runs: &runs(row) }, &mut out);
         }
         encoder.end(&mut out);
+        complete(self::format(format), &self.header, &*encoder, &mut out);
         out
     }
 
@@ -103,6 +104,7 @@ impl Raster {
         }
         encoder.end(&mut out);
         bytes.append(&mut out);
+        complete(self::format(format), &self.header, &*encoder, &mut bytes);
         bytes
     }
 
@@ -114,7 +116,7 @@ impl Raster {
         encoder.begin(&mut out);
         while at < self.rows.len() {
             let y = self.header.lines.start + at as u32;
-            let most = encoder.strip_lines() - y % encoder.strip_lines();
+            let most = encoder.strip_lines() - (y - encoder.strips_from()) % encoder.strip_lines();
             let to = self.rows.len().min(at + if rng.below(2) == 0 { most } else { 1 + rng.below(most) } as usize);
             let mut strip = Strip::default();
             while at < to {
@@ -134,12 +136,32 @@ impl Raster {
             strip.within(part.lines.end..strip.lines().end).for_each(|lines| encoder.lines(lines, &mut out));
         }
         encoder.end(&mut out);
+        complete(self::format(format), &self.header, &*encoder, &mut out);
         out
     }
 }
 
+/// A format by its name, or by its name and that of a compression: `tiff/g4`.
+pub fn format(name: &str) -> &'static Format {
+    let (name, compression) = name.split_once('/').map_or((name, None), |(name, compression)| (name, Some(compression)));
+    encode::by_name(name).expect("a format").compressed(compression).expect("a compression")
+}
+
+/// That name.
+pub fn name(format: &Format) -> String {
+    [Some(format.name), format.compression_name()].into_iter().flatten().collect::<Vec<_>>().join("/")
+}
+
+/// Writes the head over the zeros that stand for it, where it depends on what was written behind it.
+pub fn complete(format: &Format, header: &Header, encoder: &dyn Encode, bytes: &mut [u8]) {
+    if !encoder.head_is_known() {
+        let head = encode::head(format, header, encoder.table().expect("what the head depends on"));
+        bytes[..head.len()].copy_from_slice(&head);
+    }
+}
+
 fn encoder(format: &str, header: &Header) -> Box<dyn Encode> {
-    (encode::by_name(format).expect("a format").encoder)(header)
+    (self::format(format).encoder)(header)
 }
 
 /// The maximal runs of a row of pixels.

@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use runset::encode::FORMATS;
+use runset::encode::{FORMATS, variants};
 
 use crate::support::{Folder, JSON, SCENE, SVG, Server, art, by_command_line, empty, exchange, triangle};
 
@@ -22,6 +22,14 @@ fn every_format_by_its_name_and_by_its_type() {
         let length = named.header("content-length");
         let fixed = ["pbm", "pgm", "ppm"].contains(&format.name);
         assert_eq!(length, if fixed { right.len().to_string() } else { String::new() }, "{}", format.name);
+    }
+    for format in variants().filter(|format| format.compression_name().is_some()) {
+        let compression = format.compression_name().unwrap();
+        let query = format!("?expr=frame&width=800&format={}&compression={compression}", format.name);
+        let options = ["--expr", "frame", "--width", "800", "--format", format.name, "--compression", compression];
+        let answer = server.fill(&query, SVG, art("poster.svg")).ok(200);
+        assert!(answer.body == by_command_line(&art("poster.svg"), &options), "{compression}");
+        assert_eq!(answer.header("content-length").is_empty(), compression != "none");
     }
     let plain = server.fill("", JSON, SCENE).ok(200);
     assert_eq!(plain.header("content-type"), "application/x-ndjson", "without a wish");
@@ -52,6 +60,8 @@ fn what_is_wrong_is_told_in_one_form() {
         "?lines=5..5",
         "?tolerance=0",
         "?kind=fill",
+        "?compression=g4",
+        "?compression=lzw&format=tiff",
         "?scale=nan",
         "?dpi=-1",
     ] {
@@ -75,6 +85,11 @@ fn what_is_wrong_is_told_in_one_form() {
         problem.problem(if problem.status == 422 { 422 } else { 400 }, if problem.status == 422 { "refused" } else { "malformed" });
     assert_eq!((&problem["line"], &problem["column"]), (&1.into(), &5.into()), "{problem}");
     fill("?expr=a%20-", SCENE).problem(400, "malformed");
+    // Group 4 is for black alone.
+    let inks = SCENE.replace("\"expr\": \"a - b\"", "\"layers\": [{\"expr\": \"a\", \"ink\": \"#ff0000\"}]");
+    let problem = fill("?format=tiff&compression=g4", &inks).problem(422, "refused");
+    assert!(problem["detail"].as_str().unwrap().contains("g4"), "{problem}");
+    server.post_job("?format=tiff&compression=g4", &[], &inks).problem(422, "refused");
     let svg = |content: &str| {
         format!("<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' width='9' height='9'>{content}</svg>")
     };
@@ -149,8 +164,9 @@ fn warnings_are_told() {
 fn lengths_and_heads() {
     let folder = Folder::new();
     let server = Server::start(&folder.data(), &[]);
-    for format in FORMATS {
-        let job = server.job(&format!("?format={}", format.name), triangle(500, 700));
+    for format in variants() {
+        let compression = format.compression_name().map(|name| format!("&compression={name}")).unwrap_or_default();
+        let job = server.job(&format!("?format={}{compression}", format.name), triangle(500, 700));
         let length = server.measured(&job);
         let raster = format!("{job}/raster");
         let head = server.ask("HEAD", &raster, &[], b"").ok(200);

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use runset::encode::FORMATS;
+use runset::encode::variants;
 
 use crate::support::{Folder, MODEL, Rng, SCENE, Server, art, by_command_line, effort, header, is_model, triangle};
 
@@ -30,8 +30,12 @@ fn targets(server: &Server) -> Vec<Target> {
     ];
     let mut all = Vec::new();
     for (name, document, options) in &drawings {
-        for format in FORMATS {
-            let options = [*options, &[("format", format.name)]].concat();
+        for format in variants() {
+            let compression = format.compression_name().map(|name| ("compression", name));
+            if ["inks", "model"].contains(name) && format.compression_name() == Some("g4") {
+                continue;
+            }
+            let options: Vec<_> = [*options, &[("format", format.name)]].concat().into_iter().chain(compression).collect();
             let kind = if is_model(document) { "&kind=solid" } else { "" };
             let query: Vec<_> =
                 options.iter().map(|(key, value)| format!("{key}={}", value.replace('&', "%26").replace(' ', "%20"))).collect();
@@ -41,7 +45,8 @@ fn targets(server: &Server) -> Vec<Target> {
             let bytes = by_command_line(document, &line.iter().map(String::as_str).collect::<Vec<_>>());
             assert!(raster.body == bytes, "{name}.{}: not the command line's raster", format.name);
             assert_eq!(raster.header("content-type"), format.media_type);
-            all.push(Target { job, tag: raster.header("etag").to_owned(), name: format!("{name}.{}", format.name), bytes });
+            let name = format!("{name}.{}{compression:?}", format.name);
+            all.push(Target { job, tag: raster.header("etag").to_owned(), name, bytes });
         }
     }
     all

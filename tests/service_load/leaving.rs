@@ -47,6 +47,7 @@ fn who_leaves_frees_the_stream_at_once() {
         ("ndjson of nothing", "?format=ndjson", empty(1_048_576, tall)),
         ("rls of nothing", "?format=rls", empty(1_048_576, tall)),
         ("ndjson of much work for nothing", "?format=ndjson", silent(tall)),
+        ("tiff, in its first pass", "?format=tiff", triangle(65_536, tall)),
         ("ndjson of lines that differ", "?format=ndjson", triangle(65_536, tall)),
     ];
     for (name, query, document) in &cases {

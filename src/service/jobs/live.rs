@@ -17,7 +17,7 @@ use super::super::raster::Follow;
 use super::store::Row;
 use super::trail::Trail;
 use crate::encode::Format;
-use crate::job::{More, Stream};
+use crate::job::Stream;
 
 /// How a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -214,14 +214,15 @@ impl Live {
         Reading(self.clone())
     }
 
-    /// Notes where its raster can be taken up again, and its length at the end.
-    pub(super) fn note(&self, stream: &Stream, more: More) {
+    /// Notes where its raster can be taken up again, and its length and its table once they are known.
+    pub(super) fn note(&self, stream: &Stream) {
         let mut now = self.now();
         if now.view.bytes.is_none() {
             now.trail.add(stream.checkpoint());
             self.dirty.store(true, Ordering::Release);
-            if more == More::End {
-                now.view.bytes = Some(stream.offset());
+            if let Some(length) = stream.length() {
+                now.view.bytes = Some(length);
+                now.trail.table = stream.table();
                 drop(now);
                 self.changes.send_replace(());
             }
@@ -233,8 +234,8 @@ impl Live {
 pub struct Reading(Arc<Live>);
 
 impl Follow for Reading {
-    fn made(&self, stream: &Stream, more: More) {
-        self.0.note(stream, more);
+    fn made(&self, stream: &Stream) {
+        self.0.note(stream);
     }
 
     fn handed(&self, offset: u64, lines: u32) {

@@ -10,7 +10,7 @@ use super::super::raster::{Follow, exhaust};
 use super::live::{Live, Phase};
 use super::raster;
 use super::trail::Trail;
-use crate::job::{More, Stream};
+use crate::job::Stream;
 
 /// Follows a raster that is made to be measured.
 struct Measuring<'s> {
@@ -19,8 +19,8 @@ struct Measuring<'s> {
 }
 
 impl Follow for Measuring<'_> {
-    fn made(&self, stream: &Stream, more: More) {
-        self.live.note(stream, more);
+    fn made(&self, stream: &Stream) {
+        self.live.note(stream);
     }
 
     fn handed(&self, _offset: u64, _lines: u32) {}

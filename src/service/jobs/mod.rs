@@ -39,6 +39,7 @@ pub use self::measure::measure;
 use self::live::{Change, Live, Phase, Record, View};
 use self::store::{Row, Store};
 use self::trail::Trail;
+use super::cache::Key;
 use super::config::Config;
 use super::params::{self, FillParams, Kind, Params, SolidParams};
 use super::problem::{Details, Problem};
@@ -78,8 +79,9 @@ impl Jobs {
                     continue;
                 }
             };
-            let Some(format) = encode::by_name(&record.view.format) else {
-                tracing::error!("the job {} has a format that is not known: {}", row.id, record.view.format);
+            let compressed = |format: &'static encode::Format| format.compressed(record.params.compression()).ok();
+            let Some(format) = encode::by_name(&record.view.format).and_then(compressed) else {
+                tracing::error!("the job {} has a format or a compression that is not known: {}", row.id, record.view.format);
                 continue;
             };
             let tag = answer::tag(&record.key, &config.fonts, format);
@@ -341,7 +343,8 @@ pub async fn create(
         service.jobs.accept(&service.config, Live::new(record, format, Trail::default()), &document.bytes)
     });
     let (live, replayed) = accepted.await.map_err(Problem::internal)??;
-    if replayed && (live.key, live.format.name) != (key, format.name) {
+    let asked = |key: Key, format: &encode::Format| (key, format.name, format.compression_name());
+    if replayed && asked(live.key, live.format) != asked(key, format) {
         let what = "this Idempotency-Key was used for another request: give a new one";
         return Err(Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "key-reused", what));
     }

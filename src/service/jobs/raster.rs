@@ -5,7 +5,8 @@
 //!                     --else----------->  the last checkpoint before N          then skip to N
 //! ```
 //!
-//! The sweep starts at that line: what is above costs nothing but the edges that begin there.
+//! The sweep starts at that line: what is above costs nothing but the edges that begin there. Where the format has a table, its arithmetic is known once the raster is
+//! measured; before that whoever wants all of it waits while the stream makes its first pass.
 
 use std::sync::Arc;
 
@@ -69,13 +70,13 @@ pub async fn read(State(service): State<Service>, Id(id): Id, asker: Asker, head
     let wanted = wanted(&live, &headers, length)?;
     let place = service.place()?;
     let shared = live.drawing(&service).await?;
-    let job = &shared.thing.job;
+    let job = shared.thing.job.knowing(live.now().trail.table.clone());
     let (first, end) = match wanted {
         Wanted::All => (0, length.unwrap_or(u64::MAX)),
         Wanted::Bytes(first, end) => (first, end),
     };
     let from = job.seek(live.format, first).or_else(|| live.now().trail.before(first));
-    let stream = stream(job, live.format, from).ok_or_else(|| Problem::internal("a checkpoint that is none of this raster"))?;
+    let stream = stream(&job, live.format, from).ok_or_else(|| Problem::internal("a checkpoint that is none of this raster"))?;
     meters::render(live.params.kind().name(), live.format.name);
     let skip = first - stream.offset();
     let raster = Raster::new(service, shared, stream, place, asker.connection).part(skip, end - first);

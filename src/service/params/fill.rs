@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::IntoParams;
 
 use super::super::problem::Problem;
-use super::{format_name, lines, read};
+use super::{compression_name, format_name, lines, read};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
 use crate::job::{Options, Size, TOLERANCE, TOLERANCES};
 
@@ -37,6 +37,10 @@ pub struct FillParams {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(schema_with = format_name)]
     pub format: Option<String>,
+    /// Compression, in a format that has several; without it what suits the raster
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(schema_with = compression_name)]
+    pub compression: Option<String>,
     /// Only these scanlines, Y0..Y1, half-open, counted from 0
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(pattern = r"^\d{1,7}\.\.\d{1,7}$")]

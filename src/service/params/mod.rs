@@ -22,7 +22,7 @@ use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use super::ask::Ask;
 use super::cache::Key;
 use super::problem::Problem;
-use crate::encode::{FORMATS, Format, by_name};
+use crate::encode::{FORMATS, Format, by_name, variants};
 use crate::job;
 
 /// What is made of a document.
@@ -123,14 +123,24 @@ impl Params {
             Params::Fill(params) => (&params.format, "ndjson"),
             Params::Solid(params) => (&params.format, "png"),
         };
-        format(name.as_deref(), default, headers)
+        format(name.as_deref(), self.compression(), default, headers)
+    }
+
+    /// The compression that was named.
+    pub fn compression(&self) -> Option<&str> {
+        match self {
+            Params::Fill(params) => params.compression.as_deref(),
+            Params::Solid(params) => params.compression.as_deref(),
+        }
     }
 
     /// What tells the drawing from others: its document and what is asked, but for the format.
     pub fn key(&self, digest: &[u8; 32]) -> Key {
         let asked = match self {
-            Params::Fill(params) => serde_json::to_string(&FillParams { format: None, ..params.clone() }),
-            Params::Solid(params) => serde_json::to_string(&Params::Solid(SolidParams { format: None, ..params.clone() })),
+            Params::Fill(params) => serde_json::to_string(&FillParams { format: None, compression: None, ..params.clone() }),
+            Params::Solid(params) => {
+                serde_json::to_string(&Params::Solid(SolidParams { format: None, compression: None, ..params.clone() }))
+            }
         };
         let asked = asked.expect("numbers and strings under fixed names are JSON");
         Sha256::new().chain_update(digest).chain_update(asked).finalize().into()
@@ -193,11 +203,24 @@ fn format_name() -> Schema {
     ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names)).into()
 }
 
-/// The format of a name, or the one that the client likes best, which is `default` if it takes everything.
+/// The schema of a compression's name.
+fn compression_name() -> Schema {
+    let mut names: Vec<_> = variants().filter_map(Format::compression_name).collect();
+    names.sort_unstable();
+    names.dedup();
+    ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names)).into()
+}
+
+/// The format of a name, or the one that the client likes best, which is `default` if it takes everything; in the compression of a name.
 ///
 /// # Errors
-/// An unknown name; only media types that there are not.
-pub fn format(name: Option<&str>, default: &str, headers: &HeaderMap) -> Result<&'static Format, Problem> {
+/// An unknown name; only media types that there are not; a compression that the format does not have.
+pub fn format(name: Option<&str>, compression: Option<&str>, default: &str, headers: &HeaderMap) -> Result<&'static Format, Problem> {
+    let format = accepted(name, default, headers)?;
+    format.compressed(compression).map_err(|what| Problem::malformed(format!("compression: {what}")))
+}
+
+fn accepted(name: Option<&str>, default: &str, headers: &HeaderMap) -> Result<&'static Format, Problem> {
     let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
     if let Some(name) = name {
         return by_name(name).ok_or_else(|| Problem::malformed(format!("format is {name:?}: give one of {}", names())));
@@ -234,14 +257,14 @@ mod tests {
 
     fn best(accept: &str) -> Result<&'static str, StatusCode> {
         let headers = HeaderMap::from_iter([(ACCEPT, accept.parse().unwrap())]);
-        format(None, "ndjson", &headers)
+        format(None, None, "ndjson", &headers)
             .map(|format| format.name)
             .map_err(|problem| axum::response::IntoResponse::into_response(problem).status())
     }
 
     #[test]
     fn what_is_accepted_decides_on_the_format() {
-        assert_eq!(format(None, "ndjson", &HeaderMap::new()).unwrap().name, "ndjson");
+        assert_eq!(format(None, None, "ndjson", &HeaderMap::new()).unwrap().name, "ndjson");
         for (accept, name) in [
             ("*/*", "ndjson"),
             ("image/png", "png"),
@@ -256,7 +279,7 @@ mod tests {
         assert_eq!(best("text/html"), Err(StatusCode::NOT_ACCEPTABLE));
         assert_eq!(best("image/png;q=0"), Err(StatusCode::NOT_ACCEPTABLE));
         assert_eq!(best("nonsense"), Err(StatusCode::BAD_REQUEST));
-        assert_eq!(format(None, "png", &HeaderMap::from_iter([(ACCEPT, "image/*".parse().unwrap())])).unwrap().name, "png");
+        assert_eq!(format(None, None, "png", &HeaderMap::from_iter([(ACCEPT, "image/*".parse().unwrap())])).unwrap().name, "png");
     }
 
     #[test]

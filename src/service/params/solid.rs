@@ -8,7 +8,7 @@ use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use utoipa::{IntoParams, ToSchema};
 
 use super::super::problem::Problem;
-use super::{format_name, lines, read, take};
+use super::{compression_name, format_name, lines, read, take};
 use crate::job::{self, SolidOptions};
 use crate::solid::camera::Setup;
 use crate::solid::look::{Look, MAX_ANTIALIAS};
@@ -70,6 +70,10 @@ pub struct SolidParams {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(schema_with = format_name)]
     pub format: Option<String>,
+    /// Compression, in a format that has several; without it what suits the raster
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(schema_with = compression_name)]
+    pub compression: Option<String>,
     /// Only these scanlines, Y0..Y1, half-open, counted from 0
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(pattern = r"^\d{1,7}\.\.\d{1,7}$")]
