@@ -32,7 +32,7 @@ fn targets(server: &Server) -> Vec<Target> {
     for (name, document, options) in &drawings {
         for format in variants() {
             let compression = format.compression_name().map(|name| ("compression", name));
-            if ["inks", "model"].contains(name) && format.compression_name() == Some("g4") {
+            if ["inks", "slice", "model"].contains(name) && format.compression_name() == Some("g4") {
                 continue;
             }
             let options: Vec<_> = [*options, &[("format", format.name)]].concat().into_iter().chain(compression).collect();
