@@ -50,7 +50,11 @@ impl Format {
             return Ok(());
         }
         let others: Vec<_> = FORMATS.iter().filter(|format| format.pages).map(|format| format.name).collect();
-        let what = format!("a file of {} is one page, and {pages} are asked for: ask for one, or for a format of {}", self.name, others.join(", "));
+        let what = format!(
+            "a file of {} is one page, and {pages} are asked for: ask for one, or for a format of {}",
+            self.name,
+            others.join(", ")
+        );
         Err(Error::parameter(what))
     }
 }
@@ -117,6 +121,7 @@ pub trait Encode: Send {
     }
 }
 
+mod adler;
 mod changes;
 mod deflate;
 mod groups;
@@ -135,7 +140,7 @@ macro_rules! formats {
     };
 }
 
-formats! { pbm pgm ppm png pwg urf ndjson rls }
+formats! { pbm pgm ppm png pwg urf pcl pclm ndjson rls }
 
 /// The format of that name.
 pub fn by_name(name: &str) -> Option<&'static Format> {
