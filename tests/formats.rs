@@ -226,7 +226,7 @@ fn png_can_be_written_and_read_from_any_segment() {
 #[test]
 fn formats_are_found_by_name_and_extension() {
     let names: Vec<_> = FORMATS.iter().map(|f| f.name).collect();
-    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "tiff", "pwg", "urf", "ndjson", "rls"]);
+    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "tiff", "pwg", "urf", "pcl", "pclm", "ndjson", "rls"]);
     let compressions: Vec<_> = variants().map(name).filter(|name| name.contains('/')).collect();
     assert_eq!(compressions, ["tiff/g4", "tiff/packbits", "tiff/deflate", "tiff/none"]);
     assert_eq!(by_extension("PNG").map(|f| f.name), Some("png"));

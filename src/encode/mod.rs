@@ -191,7 +191,7 @@ macro_rules! formats {
     };
 }
 
-formats! { pbm pgm ppm png tiff pwg urf ndjson rls }
+formats! { pbm pgm ppm png tiff pwg urf pcl pclm ndjson rls }
 
 /// All formats, and behind each the same in every compression that can be chosen.
 pub fn variants() -> impl Iterator<Item = &'static Format> {
