@@ -192,7 +192,10 @@ impl Job {
         let builder = gather::edges(&scene.shapes, &leaves, options.limits.threads, builder)?;
         drop(scene);
         let outlines = builder.finish();
-        let dpi = if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None };
+        let dpi = match options.size {
+            Size::Dpi(dpi) | Size::Placed { dpi, .. } => Some(dpi),
+            Size::Scale(_) | Size::Pixels { .. } => None,
+        };
         Ok(Job {
             edges: outlines.seen,
             source: Source::Plane(Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting))),
