@@ -6,4 +6,11 @@
 mod command;
 mod faults;
 mod garbage;
+mod service;
+#[allow(dead_code)] // of it these tests use a part
+#[path = "../service/support.rs"]
+mod serving;
 mod support;
+
+/// Nothing here is measured.
+const TIMED: bool = false;
