@@ -225,7 +225,7 @@ fn tails(bytes: u32, width: u32) -> &'static [Poly] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::Run;
+    use crate::run::{Run, Sheet};
     use proptest::prelude::*;
 
     /// Plain CRC-32, by a library, over rows that are written out pixel by pixel.
@@ -249,7 +249,7 @@ mod tests {
     }
 
     fn header(width: u32, inks: Inks) -> Header {
-        Header { width, lines: 0..1, inks, dpi: None }
+        Header { width, lines: 0..1, inks, dpi: None, sheet: Sheet::default() }
     }
 
     fn listed(inks: usize) -> Inks {

@@ -82,7 +82,7 @@ fn line_streams_are_converted_to_every_format() {
             let bytes = raster.encode(stream);
             for format in FORMATS {
                 let mut out = Vec::new();
-                let header = runset::job::convert(&mut &bytes[..], format, &mut out, &mut |_| ()).unwrap();
+                let header = runset::job::convert(&mut &bytes[..], format, None, &mut out, &mut |_| ()).unwrap();
                 assert_eq!(header, raster.header);
                 assert!(out == raster.encode(format.name), "{stream} to {}", format.name);
             }
@@ -217,7 +217,7 @@ fn png_can_be_written_and_read_from_any_segment() {
 #[test]
 fn formats_are_found_by_name_and_extension() {
     let names: Vec<_> = FORMATS.iter().map(|f| f.name).collect();
-    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "ndjson", "rls"]);
+    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "pwg", "urf", "ndjson", "rls"]);
     assert_eq!(by_extension("PNG").map(|f| f.name), Some("png"));
     assert_eq!(by_extension("jsonl").map(|f| f.name), Some("ndjson"));
     assert!(by_name("gif").is_none() && by_extension("").is_none());

@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Read};
 use raster::{Raster, Rng, inks, program, run, shaded};
 use runset::error::{Kind, Result};
 use runset::input::lines::LineReader;
-use runset::run::{Header, Inks, Lines, Run};
+use runset::run::{Header, Inks, Lines, Run, Sheet};
 
 const STREAMS: [&str; 2] = ["ndjson", "rls"];
 
@@ -113,8 +113,9 @@ fn fenced(language: &str, n: usize) -> String {
 
 #[test]
 fn the_examples_of_the_specification_are_true() {
-    let two = Header { width: 300, lines: 4094..4100, inks: Inks::Listed(vec![[0; 3], [0xe4, 0, 0x7f]]), dpi: None };
-    let shaded = Header { width: 4, lines: 0..3, inks: Inks::Shaded { paper: [255, 255, 0xe5] }, dpi: None };
+    let two =
+        Header { width: 300, lines: 4094..4100, inks: Inks::Listed(vec![[0; 3], [0xe4, 0, 0x7f]]), dpi: None, sheet: Sheet::default() };
+    let shaded = Header { width: 4, lines: 0..3, inks: Inks::Shaded { paper: [255, 255, 0xe5] }, dpi: None, sheet: Sheet::default() };
     for (n, header) in [two, shaded].into_iter().enumerate() {
         let (text, bytes) = (example_text(n), example_bytes(n));
         let stream = read(&mut &bytes[..]).unwrap();
@@ -344,7 +345,7 @@ fn the_longest_record_is_read() {
     let run = |x: u32, end: u32| Run { start: x, end: x + 1, ink: end - 2 + x % 2 };
     let inks = (0..65_535u32).map(|i| [(i >> 16) as u8, (i >> 8) as u8, i as u8]).collect();
     for inks in [Inks::Listed(inks), Inks::Shaded { paper: [1, 2, 3] }] {
-        let header = Header { width, lines: 8_388_607..8_388_608, inks, dpi: None };
+        let header = Header { width, lines: 8_388_607..8_388_608, inks, dpi: None, sheet: Sheet::default() };
         let runs = (0..width).map(|x| run(x, header.inks.end())).collect();
         let stream = (header, vec![(8_388_607, 1, runs)]);
         for format in STREAMS {

@@ -8,7 +8,7 @@ use oracle::{Expr, Scene};
 use runset::encode::{Encode, FORMATS, Format, Restart, Strip, by_name};
 use runset::input;
 use runset::job::{Checkpoint, Job, More, Options, Stream};
-use runset::run::{Header, Inks, Lines, Run};
+use runset::run::{Header, Inks, Lines, Run, Sheet};
 use runset::scene::Limits;
 
 /// How often the random laws are tried: `RUNSET_EFFORT` times as much as by default.
@@ -50,7 +50,7 @@ fn raster(rng: &mut Rng) -> (Header, Groups) {
         groups.push((n, runs));
     }
     let height: u32 = groups.iter().map(|group| group.0).sum();
-    (Header { width, lines: start..start + height, inks, dpi: None }, groups)
+    (Header { width, lines: start..start + height, inks, dpi: None, sheet: Sheet::default() }, groups)
 }
 
 /// Hands the lines from `from` on to `take`, in groups that are cut anew.

@@ -4,9 +4,11 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use runset::encode::Format;
 use runset::error::{Error, Kind, Origin};
 use runset::grid::{MAX_HEIGHT, MAX_WIDTH};
-use runset::job::{Job, Options, Size, TOLERANCE};
+use runset::input::Fonts;
+use runset::job::{Job, Options, Size, Stats, TOLERANCE};
 
 use super::input::{FontOptions, Source};
 use super::messages::{Ends, Failure};
@@ -32,20 +34,22 @@ Examples:
       what is painted inside the frame, without the logo, at 600 dots an inch
   runset fill board.json --scale 4 --lines 0..4096 -o top.pbm
       the first 4096 scanlines of a scene, four times as large
+  runset fill front.svg back.svg --dpi 600 -o pages.pwg
+      two pages for a printer
   xz -dc map.svg.xz | runset fill - --width 20000 | runset convert - -o map.png
       from standard input, 20000 pixels wide, through a line stream";
 
 /// Fill a drawing, or an expression over its shapes, and write the raster
 ///
-/// Reads an SVG drawing (plain or gzipped) or a JSON scene. Every pixel whose centre lies in a shape belongs to it; an expression is
+/// Reads an SVG drawing (plain or gzipped) or a JSON scene; several become the pages of one file, in formats that hold pages. Every pixel whose centre lies in a shape belongs to it; an expression is
 /// evaluated pixel by pixel. Without --expr an SVG is painted in its own colours, a scene by its own
 /// expression or layers.
 #[derive(clap::Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Fill {
-    /// Drawing or scene to read; - is standard input
-    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath)]
-    input: PathBuf,
+    /// Drawing or scene to read; - is standard input; several are pages
+    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, required = true)]
+    inputs: Vec<PathBuf>,
 
     /// Area to fill, over the ids of the input, instead of the input's own picture
     #[arg(long, value_name = "E")]
@@ -119,32 +123,62 @@ impl SizeOptions {
 /// Whatever keeps the raster from being complete.
 pub fn run(args: &Fill, started: Instant) -> Result<(), Failure> {
     let format = args.output.format()?;
-    let source = Source::find(&args.input)?;
-    let mut output = Output::create(&args.output, &source, format)?;
-    let (input_name, output_name) = (source.name(), output.name().to_owned());
-    let ends = Ends { input: &input_name, output: &output_name };
-
-    let options = Options {
-        expr: args.expr.clone(),
-        size: args.size.size(),
-        lines: args.lines.clone(),
-        tolerance: args.tolerance,
-        limits: args.work.limits(),
-        started,
-        ..Options::default()
-    };
-    let bytes = source.read(options.limits.input)?;
+    let sources = args.inputs.iter().map(|input| Source::find(input)).collect::<Result<Vec<_>, _>>()?;
+    let pages = pages(&sources, format)?;
+    let mut output = Output::create(&args.output, &sources, format)?;
     let fonts = args.fonts.load(&args.work.limit)?;
-    let mut warnings = Vec::new();
-    let scene = runset::input::read_with(bytes, &options.limits, &fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
-    let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&args.size.blame(error)))?;
-    ends.warn(&warnings, args.work.strict)?;
-
-    let mut progress = Progress::new(&args.work.watch, Some(job.header().height()), output.is_terminal());
-    let stats =
-        job.render(format, options.limits.threads, &mut output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))?;
-    drop(progress);
+    let mut costs = Vec::new();
+    // A page is read when those before it are written.
+    for (source, number) in sources.iter().zip(0..) {
+        let started = if number == 0 { started } else { Instant::now() };
+        costs.push(args.page(source, (number, pages), &fonts, format, &mut output, started)?);
+    }
     output.finish()?;
-    args.work.tell(&stats);
+    costs.iter().for_each(|stats| args.work.tell(stats));
     Ok(())
+}
+
+/// How many pages the inputs are, if a file of that format holds them.
+fn pages(sources: &[Source], format: &Format) -> Result<u32, Failure> {
+    let pages = u32::try_from(sources.len()).map_err(|_| Failure::Usage("too many inputs: name fewer".to_owned()))?;
+    format.check_pages(pages).map_err(|error| Failure::Usage(error.what))?;
+    if sources.iter().filter(|source| source.is_standard()).count() > 1 {
+        return Err(Failure::Usage("standard input is named twice, and can be read once".to_owned()));
+    }
+    Ok(pages)
+}
+
+impl Fill {
+    /// Writes the page of that number, from 0, out of so many.
+    fn page(
+        &self,
+        source: &Source,
+        (number, of): (u32, u32),
+        fonts: &Fonts,
+        format: &Format,
+        output: &mut Output,
+        started: Instant,
+    ) -> Result<Stats, Failure> {
+        let (input_name, output_name) = (source.name(), output.name().to_owned());
+        let ends = Ends { input: &input_name, output: &output_name };
+        let options = Options {
+            expr: self.expr.clone(),
+            size: self.size.size(),
+            lines: self.lines.clone(),
+            tolerance: self.tolerance,
+            limits: self.work.limits(),
+            started,
+            ..Options::default()
+        };
+        let bytes = source.read(options.limits.input)?;
+        let mut warnings = Vec::new();
+        let scene = runset::input::read_with(bytes, &options.limits, fonts, &mut warnings).map_err(|error| ends.failure(&error))?;
+        let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&self.size.blame(error)))?;
+        let job = job.as_sheet(number, of);
+        format.check(job.header()).map_err(|error| ends.failure(&error))?;
+        ends.warn(&warnings, self.work.strict)?;
+
+        let mut progress = Progress::new(&self.work.watch, Some(job.header().height()), output.is_terminal());
+        job.render(format, options.limits.threads, output, &mut |done| progress.set(done)).map_err(|error| ends.failure(&error))
+    }
 }

@@ -76,6 +76,11 @@ impl Source {
         }
     }
 
+    /// Whether it is standard input.
+    pub fn is_standard(&self) -> bool {
+        self.path.is_none()
+    }
+
     /// What messages call it.
     pub fn name(&self) -> String {
         name(self.path.as_deref())

@@ -111,12 +111,12 @@ pub struct Output {
 }
 
 impl Output {
-    /// Opens the output of a run that reads `source`.
+    /// Opens the output of a run that reads `sources`.
     ///
     /// # Errors
-    /// The output is the input, or a terminal that a binary format would spoil; its folder is missing or not writable.
-    pub fn create(target: &Target, source: &Source, format: &Format) -> Result<Output, Failure> {
-        Output::holding(target, source, format.name, format.binary)
+    /// The output is one of the inputs, or a terminal that a binary format would spoil; its folder is missing or not writable.
+    pub fn create(target: &Target, sources: &[Source], format: &Format) -> Result<Output, Failure> {
+        Output::holding(target, sources, format.name, format.binary)
     }
 
     /// The same for an STL.
@@ -124,13 +124,13 @@ impl Output {
     /// # Errors
     /// Those of [`Output::create`].
     pub fn surface(target: &Target, source: &Source) -> Result<Output, Failure> {
-        Output::holding(target, source, stl::NAME, true)
+        Output::holding(target, std::slice::from_ref(source), stl::NAME, true)
     }
 
-    fn holding(target: &Target, source: &Source, format: &str, binary: bool) -> Result<Output, Failure> {
+    fn holding(target: &Target, sources: &[Source], format: &str, binary: bool) -> Result<Output, Failure> {
         let output = match target.path() {
-            Some(path) => Output::named(path, source)?,
-            None => Output::standard(source)?,
+            Some(path) => Output::named(path, sources)?,
+            None => Output::standard(sources)?,
         };
         if binary && output.is_terminal() {
             let what = format!("{format} is a binary format and {} is a terminal; name a file with -o", output.name);
@@ -140,22 +140,22 @@ impl Output {
         Ok(output)
     }
 
-    fn standard(source: &Source) -> Result<Output, Failure> {
+    fn standard(sources: &[Source]) -> Result<Output, Failure> {
         let name = "<stdout>".to_owned();
         let file = io::stdout().as_fd().try_clone_to_owned().map(File::from).map_err(|error| unwritable(&name, &error))?;
         let metadata = file.metadata().map_err(|error| unwritable(&name, &error))?;
-        refuse_same(&name, &metadata, source)?;
+        refuse_same(&name, &metadata, sources)?;
         Ok(Output { name, file, unfinished: None })
     }
 
-    fn named(path: &Path, source: &Source) -> Result<Output, Failure> {
+    fn named(path: &Path, sources: &[Source]) -> Result<Output, Failure> {
         let name = path.display().to_string();
         if [&b"/"[..], b"/."].iter().any(|end| path.as_os_str().as_encoded_bytes().ends_with(end)) {
             return Err(is_folder(&name));
         }
         let path = resolve(path)?;
         if STDOUT.iter().any(|stdout| path == Path::new(stdout)) {
-            return Output::standard(source);
+            return Output::standard(sources);
         }
         let old = match fs::metadata(&path) {
             Ok(metadata) => Some(metadata),
@@ -163,7 +163,7 @@ impl Output {
             Err(error) => return Err(unwritable(&name, &error)),
         };
         if let Some(old) = &old {
-            refuse_same(&name, old, source)?;
+            refuse_same(&name, old, sources)?;
             if old.is_dir() {
                 return Err(is_folder(&name));
             }
@@ -276,11 +276,11 @@ fn beside(path: &Path, old: Option<&Metadata>) -> io::Result<(File, TempPath)> {
     Ok((file, temporary))
 }
 
-/// Refuses an output that is the input. Terminals, `/dev/null` and sockets can be both.
-fn refuse_same(name: &str, output: &Metadata, source: &Source) -> Result<(), Failure> {
-    let input = source.metadata();
+/// Refuses an output that is an input. Terminals, `/dev/null` and sockets can be both.
+fn refuse_same(name: &str, output: &Metadata, sources: &[Source]) -> Result<(), Failure> {
     let kind = output.file_type();
-    let same = (output.dev(), output.ino()) == (input.dev(), input.ino()) && !kind.is_char_device() && !kind.is_socket();
+    let is_output = |source: &Source| (output.dev(), output.ino()) == (source.metadata().dev(), source.metadata().ino());
+    let same = !kind.is_char_device() && !kind.is_socket() && sources.iter().any(is_output);
     if same { Err(Failure::at(name, "this is the input too; name another output")) } else { Ok(()) }
 }
 

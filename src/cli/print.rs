@@ -7,11 +7,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use runset::encode::{FORMATS, Format};
-use runset::job::{Job, Options, Stats, TOLERANCE};
+use runset::job::{Job, Options, Stats, TOLERANCE, render_sheets};
 use runset::print::body::Body;
-use runset::print::choice::{self, Choice, Quality, Wishes};
+use runset::print::choice::{self, Choice};
 use runset::print::sheet::{self, Scaling};
+use runset::print::wishes::{Quality, Wishes};
 use runset::print::{self, Address, Client, Document, Errand, Failure as Unprinted, Limits, Stage, Status, Watch, Why};
+use runset::run::Pixels;
 use runset::scene::Scene;
 use tokio_util::sync::CancellationToken;
 
@@ -266,32 +268,39 @@ async fn print_all(args: &Print, started: Instant, cancelled: &CancellationToken
         copies: args.copies,
         quality: args.print_quality,
     };
-    let choice = choice::choose(&printer, &wishes, sheet::size(&pages[0].scene)).map_err(failure)?;
+    let inks = pages.iter().map(|page| sheet::pixels(&page.scene, args.expr.as_deref()));
+    let inks = inks.max_by_key(|inks| *inks as u8).unwrap_or(Pixels::Black);
+    let choice = choice::choose(&printer, &wishes, sheet::size(&pages[0].scene), inks).map_err(failure)?;
     tell(&format!("{address}: {}", choice.line()));
-    let jobs = prepare(args, started, pages, &choice, &wishes)?;
-    let rounds = (0..choice.repeats).flat_map(|_| jobs.iter().cloned());
-    for (title, job) in rounds {
-        if args.dry_run {
-            let (sheet, header) = (&choice.sheet, job.header());
-            tell(&format!(
-                "{title}: {} x {} px, the drawing at {:.1}, {:.1} px, {:.4} px to a user unit; {} copies",
-                header.width,
-                header.height(),
-                sheet.placement.offset[0],
-                sheet.placement.offset[1],
-                sheet.placement.scale,
-                choice.copies
-            ));
-            continue;
-        }
-        send(args, &client, &choice, &title, job, cancelled).await?;
-    }
+    let pages = prepare(args, started, pages, &choice, &wishes)?;
+    let all: Vec<_> = (0..choice.repeats).flat_map(|_| pages.iter().cloned()).collect();
+    // A document holds all pages, or one.
+    let documents: Vec<&[(String, Job)]> = if choice.format.pages { vec![&all] } else { all.chunks(1).collect() };
     if args.dry_run {
-        let attributes: Vec<String> = choice.attributes.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        tell(&format!("{address}: job attributes {}", attributes.join(" ")));
-        tell(&format!("{address}: nothing was sent"));
+        dry(&address, &choice, &documents);
+        return Ok(());
+    }
+    for pages in documents {
+        send(args, &client, &choice, pages.to_vec(), cancelled).await?;
     }
     Ok(())
+}
+
+/// Says what would be sent.
+fn dry(address: &Address, choice: &Choice, documents: &[&[(String, Job)]]) {
+    for (i, pages) in documents.iter().enumerate() {
+        for (title, job) in *pages {
+            let (sheet, header) = (&choice.sheet, job.header());
+            tell(&format!("document {}: {title}: {} x {} px, {} copies", i + 1, header.width, header.height(), choice.copies));
+            if i == 0 {
+                let [x, y] = sheet.placement.offset;
+                tell(&format!("{title}: the drawing at {x:.1}, {y:.1} px, {:.4} px to a user unit", sheet.placement.scale));
+            }
+        }
+    }
+    let attributes: Vec<String> = choice.attributes.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    tell(&format!("{address}: job attributes {}", attributes.join(" ")));
+    tell(&format!("{address}: nothing was sent"));
 }
 
 /// Reads the pages that are wanted.
@@ -322,7 +331,7 @@ fn read(args: &Print) -> Result<Vec<Page>, Failure> {
 }
 
 /// Prepares the pages, each on a sheet of its own.
-fn prepare(args: &Print, started: Instant, pages: Vec<Page>, choice: &Choice, wishes: &Wishes) -> Result<Vec<(String, Arc<Job>)>, Failure> {
+fn prepare(args: &Print, started: Instant, pages: Vec<Page>, choice: &Choice, wishes: &Wishes) -> Result<Vec<(String, Job)>, Failure> {
     let limits = args.work.limits();
     let prepared = pages.into_iter().map(|Page { name, mut scene }| {
         let ends = Ends { input: &name, output: "printer" };
@@ -333,7 +342,8 @@ fn prepare(args: &Print, started: Instant, pages: Vec<Page>, choice: &Choice, wi
         let options = Options { tolerance: args.tolerance, started, ..options };
         let job = Job::prepare(scene, &options, &mut warnings).map_err(|error| ends.failure(&error))?;
         ends.warn(&warnings, args.work.strict)?;
-        Ok((name, Arc::new(job)))
+        choice.format.check(job.header()).map_err(|error| ends.failure(&error))?;
+        Ok((name, job))
     });
     prepared.collect()
 }
@@ -342,54 +352,59 @@ async fn send(
     args: &Print,
     client: &Client,
     choice: &Choice,
-    title: &str,
-    job: Arc<Job>,
+    pages: Vec<(String, Job)>,
     cancelled: &CancellationToken,
 ) -> Result<(), Failure> {
+    let title = match &pages[..] {
+        [(title, _)] => title.clone(),
+        [(title, _), others @ ..] => format!("{title} and {} more", others.len()),
+        [] => return Ok(()),
+    };
     let errand = Errand {
-        title: title.to_owned(),
+        title,
         format: choice.format.media_type,
         attributes: choice.attributes.clone(),
-        pages: 1,
+        pages: u32::try_from(pages.len()).unwrap_or(u32::MAX),
         spool: args.spool,
     };
+    let jobs: Arc<Vec<Job>> = Arc::new(pages.into_iter().map(|(_, job)| job).collect());
+    let total = jobs.iter().fold(0_u32, |lines, job| lines.saturating_add(job.header().height()));
     let lines = Arc::new(AtomicU32::new(0));
-    let stats = Arc::new(Mutex::new(None));
+    let stats = Arc::new(Mutex::new(Vec::new()));
     let mut document =
-        Rendered { format: choice.format, threads: args.work.limits().threads, lines: lines.clone(), stats: stats.clone(), job };
-    let mut shown = Shown {
-        client,
-        progress: Some(Progress::new(&args.work.watch, Some(document.job.header().height()), false)),
-        lines,
-        said: Said::default(),
-    };
+        Rendered { format: choice.format, threads: args.work.limits().threads, lines: lines.clone(), stats: stats.clone(), jobs };
+    let mut shown = Shown { client, progress: Some(Progress::new(&args.work.watch, Some(total), false)), lines, said: Said::default() };
     let printed = print::run(client, &errand, &mut document, Stage::New, &mut shown, cancelled).await;
     drop(shown);
     let printed = printed.map_err(failure)?;
     let count = printed.status.impressions.filter(|n| *n > 0).map_or_else(String::new, |n| format!(", {n} impressions"));
     tell(&format!("{}: the job {} is printed{count}", client.name(), printed.job.id));
-    if let Some(stats) = stats.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        args.work.tell(&stats);
-    }
+    stats.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(|stats| args.work.tell(stats));
     Ok(())
 }
 
-/// A page that is rendered as the printer takes it.
+/// Pages that are rendered as the printer takes them.
 struct Rendered {
-    job: Arc<Job>,
+    jobs: Arc<Vec<Job>>,
     format: &'static Format,
     threads: usize,
+    /// Lines of all pages that were written.
     lines: Arc<AtomicU32>,
-    stats: Arc<Mutex<Option<Stats>>>,
+    /// Of each page, once all are written.
+    stats: Arc<Mutex<Vec<Stats>>>,
 }
 
 impl Document for Rendered {
     async fn open(&mut self, _length: bool) -> Result<Body, Unprinted> {
-        let (job, format, threads) = (self.job.clone(), self.format, self.threads);
+        let (jobs, format, threads) = (self.jobs.clone(), self.format, self.threads);
         let (lines, stats) = (self.lines.clone(), self.stats.clone());
         let body = Body::made(move |out| {
-            let done = job.render(format, threads, out, &mut |done| lines.store(done, Ordering::Relaxed))?;
-            *stats.lock().unwrap_or_else(PoisonError::into_inner) = Some(done);
+            let before = |page: u32| jobs[..page as usize].iter().fold(0_u32, |lines, job| lines.saturating_add(job.header().height()));
+            let mut progress = |page: u32, done: u32| lines.store(before(page).saturating_add(done), Ordering::Relaxed);
+            let mut page = |page: u32| Ok(jobs[page as usize].clone());
+            let of = u32::try_from(jobs.len()).unwrap_or(u32::MAX);
+            let done = render_sheets(of, &mut page, format, threads, out, &mut progress)?;
+            *stats.lock().unwrap_or_else(PoisonError::into_inner) = done;
             Ok(())
         });
         body.map_err(|error| Unprinted::new(Why::Raster, error.to_string()))

@@ -116,6 +116,10 @@ pub struct Solid {
     #[arg(long, value_name = "Y0..Y1", value_parser = job::lines)]
     lines: Option<Range<u32>>,
 
+    /// Resolution to write into the output, in dots an inch; the size in pixels is that of --imgsize
+    #[arg(long, value_name = "D", value_parser = values::positive, allow_negative_numbers = true)]
+    dpi: Option<f64>,
+
     /// How curved surfaces are drawn: facets, as OpenSCAD has them
     #[arg(long, value_name = "HOW", default_value = "facets")]
     curves: Curves,
@@ -143,6 +147,7 @@ impl Solid {
             (self.autocenter, "--autocenter"),
             (!self.section.is_empty(), "--section"),
             (self.lines.is_some(), "--lines"),
+            (self.dpi.is_some(), "--dpi"),
             (!self.aov.is_empty(), "--aov"),
         ];
         given.into_iter().find_map(|(given, name)| given.then_some(name))
@@ -198,14 +203,15 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
         return surface::run(args, &source);
     }
     let format = args.output.format_or("png")?;
-    let input_name = source.name();
+    let (input_name, sources) = (source.name(), std::slice::from_ref(&source));
     let (width, height) = args.imgsize;
     let options = |camera: Option<Camera>, started| {
         let orthographic = args.projection == Projection::Orthographic;
         let setup = Setup { camera, orthographic, view_all: args.viewall, autocenter: args.autocenter, width, height };
         let Solid { antialias, smooth, edges, glass, .. } = *args;
         let look = Look { antialias, smooth, edges, glass, translucent: args.translucent.clone() };
-        SolidOptions { setup, scheme: *args.colorscheme, sections: args.section.clone(), look, lines: args.lines.clone(), started }
+        let (sections, lines) = (args.section.clone(), args.lines.clone());
+        SolidOptions { setup, scheme: *args.colorscheme, sections, look, lines, dpi: args.dpi, pixels: None, started }
     };
     // Without a camera there is one view, from where all is seen.
     let cameras: Vec<Option<Camera>> = if args.camera.is_empty() { vec![None] } else { args.camera.iter().copied().map(Some).collect() };
@@ -218,13 +224,14 @@ pub fn run(args: &Solid, started: Instant) -> Result<(), Failure> {
             ))),
             numbered => Ok(numbered.unwrap_or_else(|| target.clone())),
         };
-        let picture = Output::create(&numbered(&args.output)?, &source, format)?;
-        let aov = |(aov, path): &(Aov, PathBuf)| Ok((*aov, Output::create(&numbered(&Target::named(path))?, &source, format)?));
+        let picture = Output::create(&numbered(&args.output)?, sources, format)?;
+        let aov = |(aov, path): &(Aov, PathBuf)| Ok((*aov, Output::create(&numbered(&Target::named(path))?, sources, format)?));
         Ok((picture, args.aov.iter().map(aov).collect::<Result<Vec<_>, Failure>>()?))
     };
     let mut first = Some(outputs(1)?);
     let of_input = Ends { input: &input_name, output: "" };
     let header = options(cameras[0], started).header().map_err(|error| of_input.failure(&error))?;
+    format.check(&header).map_err(|error| of_input.failure(&error))?;
 
     let mut warnings = Vec::new();
     let mut reading = args.read(&source, &of_input, &mut warnings)?;

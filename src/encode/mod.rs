@@ -5,6 +5,7 @@
 
 pub use part::{Part, Strip};
 
+use crate::error::{Error, Result};
 use crate::run::{Header, Lines};
 
 /// What the program knows about a format.
@@ -22,8 +23,45 @@ pub struct Format {
     pub binary: bool,
     /// Raised when the bytes for the same picture change: a stream is not taken up again with another version's bytes.
     pub version: u32,
+    /// Whether a file holds several pages ([`Header::sheet`]).
+    pub pages: bool,
+    /// Whether it can hold a raster: its size, its resolution. A refusal says what to ask for.
+    pub fits: fn(&Header) -> Result<()>,
     /// Makes a writer for one raster.
     pub encoder: fn(&Header) -> Box<dyn Encode>,
+}
+
+impl Format {
+    /// Checks before the first byte that it can hold a raster.
+    ///
+    /// # Errors
+    /// Those of [`Format::check_pages`] and [`Format::fits`].
+    pub fn check(&self, header: &Header) -> Result<()> {
+        self.check_pages(header.sheet.of)?;
+        (self.fits)(header)
+    }
+
+    /// Checks that a file of it holds so many pages.
+    ///
+    /// # Errors
+    /// Several where it holds one.
+    pub fn check_pages(&self, pages: u32) -> Result<()> {
+        if self.pages || pages == 1 {
+            return Ok(());
+        }
+        let others: Vec<_> = FORMATS.iter().filter(|format| format.pages).map(|format| format.name).collect();
+        let what = format!(
+            "a file of {} is one page, and {pages} are asked for: ask for one, or for a format of {}",
+            self.name,
+            others.join(", ")
+        );
+        Err(Error::parameter(what))
+    }
+}
+
+/// Of a format that holds all rasters that there can be.
+fn holds_all(_: &Header) -> Result<()> {
+    Ok(())
 }
 
 /// Where a writer can go on: what another writer of the same raster needs, so that its bytes follow those written so far.
@@ -85,7 +123,11 @@ pub trait Encode: Send {
 
 mod changes;
 mod deflate;
+mod groups;
+mod literals;
+mod media;
 mod part;
+mod printed;
 mod records;
 mod rows;
 
@@ -97,7 +139,7 @@ macro_rules! formats {
     };
 }
 
-formats! { pbm pgm ppm png ndjson rls }
+formats! { pbm pgm ppm png pwg urf ndjson rls }
 
 /// The format of that name.
 pub fn by_name(name: &str) -> Option<&'static Format> {

@@ -10,7 +10,7 @@
 //! With several inks a run is `[start,end,ink]`. Of a shaded raster the header has `"inks":"rgb","paper":"#rrggbb"`, and a run is
 //! `[start,end,"#rrggbb"]`. [`crate::encode::rls`] is the same in binary.
 
-use super::Format;
+use super::{Format, holds_all};
 use super::records::{Records, Spelling};
 use crate::checksum::Checksum;
 use crate::run::{Header, Hex, Inks, Lines, Rgb, Told, colour_of};
@@ -23,6 +23,8 @@ pub const FORMAT: Format = Format {
     about: "line stream: runs as JSON, a record of equal lines a line",
     binary: false,
     version: 1,
+    pages: false,
+    fits: holds_all,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -2,7 +2,7 @@
 //!
 //! Source: pgm(5) of netpbm; Recommendation ITU-R BT.709 for the weights.
 
-use super::{Encode, Format, rows};
+use super::{Encode, Format, holds_all, rows};
 use crate::run::{Header, Inks, Rgb};
 
 /// The format.
@@ -13,6 +13,8 @@ pub const FORMAT: Format = Format {
     about: "portable graymap (P5), 8 bits a pixel: luma of the inks and of paper",
     binary: true,
     version: 1,
+    pages: false,
+    fits: holds_all,
     encoder,
 };
 
@@ -29,6 +31,6 @@ fn encoder(header: &Header) -> Box<dyn Encode> {
 }
 
 /// Luma of Rec. 709, taken on the 8-bit values and rounded.
-fn luma([r, g, b]: Rgb) -> u8 {
+pub fn luma([r, g, b]: Rgb) -> u8 {
     ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8
 }

@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use super::changes::Shown;
 use super::deflate::{self, Block};
-use super::{Encode, Format, Part, Restart, Strip, rows};
+use super::{Encode, Format, Part, Restart, Strip, holds_all, rows};
 use crate::run::{BLACK, Header, Lines, Rgb, Run};
 
 /// The format.
@@ -34,6 +34,8 @@ pub const FORMAT: Format = Format {
     about: "PNG: 1 bit for black alone, a palette up to 255 inks, else RGB",
     binary: true,
     version: 1,
+    pages: false,
+    fits: holds_all,
     encoder: |header| Box::new(Png::new(header)),
 };
 

@@ -2,7 +2,7 @@
 //!
 //! Source: ppm(5) of netpbm.
 
-use super::{Encode, Format, rows};
+use super::{Encode, Format, holds_all, rows};
 use crate::run::Header;
 
 /// The format.
@@ -13,6 +13,8 @@ pub const FORMAT: Format = Format {
     about: "portable pixmap (P6), 24 bits a pixel: the inks on paper",
     binary: true,
     version: 1,
+    pages: false,
+    fits: holds_all,
     encoder,
 };
 

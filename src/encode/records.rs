@@ -26,7 +26,7 @@ pub struct Spelling {
 impl Records {
     /// A writer for one raster.
     pub fn boxed(header: &Header, spelling: Spelling) -> Box<dyn Encode> {
-        Box::new(Records { header: header.clone(), spelling, merge: Merge::default(), sum: Checksum::new(header) })
+        Box::new(Records { header: header.clone(), spelling, merge: Merge::new(RECORD_LINES), sum: Checksum::new(header) })
     }
 
     /// Writes the record that is still open, if there is one.

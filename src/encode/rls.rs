@@ -1,6 +1,6 @@
 //! A line stream in binary: what [`crate::encode::ndjson`] says, in a byte or two a number. `docs/rls.md` is its specification.
 
-use super::Format;
+use super::{Format, holds_all};
 use super::records::{Records, Spelling};
 use crate::checksum::Checksum;
 use crate::run::{Header, Inks, Lines, Told, colour_of};
@@ -13,6 +13,8 @@ pub const FORMAT: Format = Format {
     about: "line stream in binary (docs/rls.md)",
     binary: true,
     version: 1,
+    pages: false,
+    fits: holds_all,
     encoder: |header| Records::boxed(header, Spelling { begin, record, end }),
 };
 

@@ -21,6 +21,7 @@ mod pick;
 mod pump;
 mod queue;
 mod render;
+mod sheets;
 mod size;
 mod solid;
 mod source;
@@ -35,6 +36,7 @@ pub use kept::Kept;
 pub use model::{ModelEntry, ModelInfo, model_info};
 pub use moves::{MAX_MOVES, Move, movement};
 pub use pick::{KeptPart, Pick};
+pub use sheets::render_sheets;
 pub use size::{Size, lines};
 pub use solid::{Aov, MAX_SECTIONS, SolidOptions};
 use source::Source;
@@ -52,7 +54,7 @@ use crate::edge::Builder;
 use crate::error::{Error, Kind, Result, Warning};
 pub use crate::region::Counting;
 use crate::region::Picture;
-use crate::run::{BLACK, Header, Inks, MAX_INKS, Rgb};
+use crate::run::{BLACK, Header, Inks, MAX_INKS, Pixels, Rgb, Sheet};
 use crate::scene::{self, Area, Expression, Layer, Limits, Scene};
 use crate::shape::{FillRule, Shape};
 
@@ -69,6 +71,10 @@ pub struct Options {
     pub expr: Option<String>,
     /// Size of the page.
     pub size: Size,
+    /// Resolution that the raster tells, in dots an inch; without it, that of [`Size::Dpi`].
+    pub dpi: Option<f64>,
+    /// What pixels are to be, in formats that leave a choice.
+    pub pixels: Option<Pixels>,
     /// Only these scanlines.
     pub lines: Option<Range<u32>>,
     /// Curve flattening, in pixels, one of [`TOLERANCES`].
@@ -86,6 +92,8 @@ impl Default for Options {
         Options {
             expr: None,
             size: Size::Scale(1.0),
+            dpi: None,
+            pixels: None,
             lines: None,
             tolerance: TOLERANCE,
             counting: Counting::Measured,
@@ -192,14 +200,17 @@ impl Job {
         let builder = gather::edges(&scene.shapes, &leaves, options.limits.threads, builder)?;
         drop(scene);
         let outlines = builder.finish();
-        let dpi = match options.size {
-            Size::Dpi(dpi) | Size::Placed { dpi, .. } => Some(dpi),
-            Size::Scale(_) | Size::Pixels { .. } => None,
-        };
+        let dpi = options.dpi.or(if let Size::Dpi(dpi) = options.size { Some(dpi) } else { None });
         Ok(Job {
             edges: outlines.seen,
             source: Source::Plane(Arc::new(Picture::new(page.width, outlines, program, ink_of_layer, options.counting))),
-            header: Header { width: page.width, lines, inks: Inks::Listed(inks), dpi },
+            header: Header {
+                width: page.width,
+                lines,
+                inks: Inks::Listed(inks),
+                dpi,
+                sheet: Sheet { pixels: options.pixels, ..Sheet::default() },
+            },
             band: band_height(page.height),
             started: options.started,
             prepare_seconds: options.started.elapsed().as_secs_f64(),

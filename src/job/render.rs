@@ -22,8 +22,9 @@ impl Job {
     /// do not depend on `threads`.
     ///
     /// # Errors
-    /// What the writer says; [`crate::error::Kind::Closed`] if its reader went away.
+    /// Before the first byte, what [`Format::check`] says; what the writer says, [`crate::error::Kind::Closed`] if its reader went away.
     pub fn render(&self, format: &Format, threads: usize, out: &mut dyn Write, progress: &mut dyn FnMut(u32)) -> Result<Stats> {
+        format.check(&self.header)?;
         let swept = Instant::now();
         let bands: Vec<Range<u32>> = self.bands().collect();
         let threads = threads.max(1);

@@ -29,8 +29,6 @@ pub enum Size {
         width: u32,
         /// Height of the sheet in pixels.
         height: u32,
-        /// Dots an inch.
-        dpi: f64,
         /// From user units to pixels.
         placement: Placement,
     },
@@ -69,7 +67,7 @@ impl Size {
                 let offset = [(f64::from(w) - width * scale) / 2.0, (f64::from(h) - height * scale) / 2.0];
                 Page { width: w, height: h, placement: Placement { scale, offset } }
             }
-            Size::Placed { width, height, placement, .. } => Page { width, height, placement },
+            Size::Placed { width, height, placement } => Page { width, height, placement },
         };
         if page.width == 0 || page.height == 0 {
             return Err(Error::parameter("a page has at least one pixel: give a larger width or height"));

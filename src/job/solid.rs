@@ -10,7 +10,7 @@ use super::{Job, Kept, SolidStats, band_height, slice, write};
 use crate::count::{Node, Program};
 use crate::error::{Error, Kind, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
-use crate::run::{Header, Inks};
+use crate::run::{Header, Inks, Pixels, Sheet};
 use crate::solid::body::Plane;
 use crate::solid::camera::{Camera, Setup};
 use crate::solid::glass;
@@ -34,6 +34,10 @@ pub struct SolidOptions {
     pub look: Look,
     /// Only these scanlines.
     pub lines: Option<Range<u32>>,
+    /// Resolution that the raster tells, in dots an inch.
+    pub dpi: Option<f64>,
+    /// What pixels are to be, in formats that leave a choice.
+    pub pixels: Option<Pixels>,
     /// When the work began.
     pub started: Instant,
 }
@@ -46,6 +50,8 @@ impl Default for SolidOptions {
             sections: Vec::new(),
             look: Look::default(),
             lines: None,
+            dpi: None,
+            pixels: None,
             started: Instant::now(),
         }
     }
@@ -69,7 +75,8 @@ impl SolidOptions {
             return Err(Error::parameter(format!("{} sections: give at most {MAX_SECTIONS}", self.sections.len())));
         }
         let lines = slice(self.lines.as_ref(), height)?;
-        Ok(Header { width, lines, inks: Inks::Shaded { paper: self.scheme.background }, dpi: None })
+        let sheet = Sheet { pixels: self.pixels, ..Sheet::default() };
+        Ok(Header { width, lines, inks: Inks::Shaded { paper: self.scheme.background }, dpi: self.dpi, sheet })
     }
 
     /// Those of the numbers of the same view ([`Job::aov`]), which stand for pixels as they are and not for means.

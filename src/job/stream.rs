@@ -62,7 +62,7 @@ pub struct Stream {
 }
 
 impl Job {
-    /// The raster as a stream.
+    /// The raster as a stream. Whether the format can hold it is for the caller to ask ([`Format::check`]).
     pub fn stream(&self, format: &Format) -> Stream {
         let mut begun = Vec::new();
         let pump = Pump::new(format, &self.header, &mut begun);

@@ -7,7 +7,9 @@ use super::media::{Chosen, Medium, is_meant, size_of};
 use super::message::{collection, keyword};
 use super::printer::Printer;
 use super::sheet::{self, Scaling, Sheet};
-use crate::encode::{FORMATS, Format, by_name};
+use super::wishes::Wishes;
+use crate::encode::{FORMATS, Format};
+use crate::run::Pixels;
 
 /// Media types that are printed, the best first: formats made for pages, which printers know by their sizes, before those of pictures.
 const PREFERENCE: [&str; 9] = [
@@ -24,57 +26,6 @@ const PREFERENCE: [&str; 9] = [
 
 /// What the printer finds out by itself.
 const ANY: &str = "application/octet-stream";
-
-/// What is wanted of a printer.
-#[derive(Clone, Debug)]
-pub struct Wishes {
-    /// This format.
-    pub format: Option<&'static Format>,
-    /// This resolution, in dots an inch.
-    pub dpi: Option<u32>,
-    /// This medium, by its name, a part of it (`a4`), or its size (`914x1200mm`).
-    pub media: Option<String>,
-    /// How the drawing is brought to the sheet's size.
-    pub scaling: Scaling,
-    /// Whether the drawing may be turned by a quarter where that lets it fit.
-    pub turn: bool,
-    /// How often.
-    pub copies: u32,
-    /// Draft, normal or high.
-    pub quality: Option<Quality>,
-}
-
-impl Default for Wishes {
-    fn default() -> Wishes {
-        Wishes { format: None, dpi: None, media: None, scaling: Scaling::Auto, turn: true, copies: 1, quality: None }
-    }
-}
-
-/// How well it is printed (print-quality).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Quality {
-    /// Fast.
-    Draft,
-    /// As usual.
-    Normal,
-    /// Slow.
-    High,
-}
-
-impl Quality {
-    /// All of them.
-    pub const ALL: [Quality; 3] = [Quality::Draft, Quality::Normal, Quality::High];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Quality::Draft => "draft",
-            Quality::Normal => "normal",
-            Quality::High => "high",
-        }
-    }
-}
 
 /// What is sent.
 #[derive(Clone, Debug)]
@@ -114,15 +65,15 @@ impl Choice {
     /// The place of another drawing of that size, in hundredths of a millimetre, on a sheet of its own.
     pub fn place(&self, drawing: [f64; 2], wishes: &Wishes) -> Sheet {
         let turned = wishes.turn && turns(drawing, &self.medium);
-        sheet::lay(drawing, &self.medium, self.dpi, wishes.scaling, turned)
+        Sheet { pixels: self.sheet.pixels, ..sheet::lay(drawing, &self.medium, self.dpi, wishes.scaling, turned) }
     }
 }
 
-/// Chooses for a drawing of that size, in hundredths of a millimetre.
+/// Chooses for a drawing of that size, in hundredths of a millimetre, whose inks need such pixels.
 ///
 /// # Errors
 /// What is wanted is not what the printer can.
-pub fn choose(printer: &Printer, wishes: &Wishes, drawing: [f64; 2]) -> Result<Choice, Failure> {
+pub fn choose(printer: &Printer, wishes: &Wishes, drawing: [f64; 2], inks: Pixels) -> Result<Choice, Failure> {
     let mut why = Vec::new();
     let format = format(printer, wishes, &mut why)?;
     if !printer.steps {
@@ -132,7 +83,8 @@ pub fn choose(printer: &Printer, wishes: &Wishes, drawing: [f64; 2]) -> Result<C
     let dpi = resolution(printer, wishes, format, &mut why)?;
     let medium = medium(printer, wishes, drawing, &mut why)?;
     let turned = wishes.turn && turns(drawing, &medium);
-    let sheet = sheet::lay(drawing, &medium, dpi, wishes.scaling, turned);
+    let pixels = pixels(printer, format, inks, &mut why);
+    let sheet = Sheet { pixels, ..sheet::lay(drawing, &medium, dpi, wishes.scaling, turned) };
     if sheet.cut {
         why.push("the printer does not reach the edge of the sheet, where the drawing goes".to_owned());
     }
@@ -197,6 +149,28 @@ fn resolution(printer: &Printer, wishes: &Wishes, format: &Format, why: &mut Vec
     }
 }
 
+/// The least pixels that the printer takes in a format and that show all inks; the most that it takes, if it takes no such. None where it does not say.
+fn pixels(printer: &Printer, format: &Format, inks: Pixels, why: &mut Vec<String>) -> Option<Pixels> {
+    let has = |list: &[String], word: &str| list.iter().any(|own| own == word);
+    let (pwg, urf) = (&printer.pwg_types, &printer.urf);
+    let takes = |pixels: Pixels| match (format.media_type, pixels) {
+        ("image/pwg-raster", Pixels::Black) => has(pwg, "black_1"),
+        ("image/pwg-raster", Pixels::Gray) => has(pwg, "sgray_8"),
+        ("image/pwg-raster", Pixels::Rgb) => has(pwg, "srgb_8"),
+        ("image/urf", Pixels::Gray) => has(urf, "W8"),
+        ("image/urf", Pixels::Rgb) => has(urf, "SRGB24"),
+        _ => false,
+    };
+    const ALL: [Pixels; 3] = [Pixels::Black, Pixels::Gray, Pixels::Rgb];
+    let rank = |pixels: Pixels| ALL.iter().position(|own| *own == pixels);
+    let enough = ALL.into_iter().filter(|pixels| rank(*pixels) >= rank(inks)).find(|pixels| takes(*pixels));
+    enough.or_else(|| {
+        let most = ALL.into_iter().rev().find(|pixels| takes(*pixels))?;
+        why.push(format!("the printer has no colours in {}", format.name));
+        Some(most)
+    })
+}
+
 /// Whether a drawing goes better on a medium when it is turned by a quarter.
 fn turns([w, h]: [f64; 2], medium: &Chosen) -> bool {
     let [width, height] = medium.size.map(f64::from);
@@ -207,9 +181,13 @@ fn turns([w, h]: [f64; 2], medium: &Chosen) -> bool {
 fn medium(printer: &Printer, wishes: &Wishes, drawing: [f64; 2], why: &mut Vec<String>) -> Result<Chosen, Failure> {
     let whole = drawing.map(|x| x.round().min(1e8) as i32);
     let quarter = [whole[1], whole[0]];
-    // Without margins, if all of the sheet is to be printed and the printer can; else with the smallest.
-    let preferred =
-        |list: &mut dyn Iterator<Item = &Medium>| list.min_by_key(|medium| (!medium.ready, medium.margins.iter().sum::<i32>())).cloned();
+    // A name alone means the usual margins; a sheet that is to be filled is better without.
+    let fill = wishes.scaling == Scaling::Fill;
+    let order = |medium: &&Medium| {
+        let margins: i32 = medium.margins.iter().sum();
+        (!medium.ready, if fill { margins } else { -margins })
+    };
+    let preferred = |list: &mut dyn Iterator<Item = &Medium>| list.min_by_key(order).cloned();
     if let Some(written) = &wishes.media {
         let by_name = &mut printer
             .media
@@ -279,12 +257,15 @@ fn medium(printer: &Printer, wishes: &Wishes, drawing: [f64; 2], why: &mut Vec<S
 fn attributes(printer: &Printer, wishes: &Wishes, medium: &Chosen, dpi: u32, copies: u32) -> Vec<(String, IppValue)> {
     let mut all = Vec::new();
     let mut add = |name: &str, value: IppValue| all.push((name.to_owned(), value));
-    // A name says all; a size without one, or without margins, has to be described.
+    let borderless = wishes.scaling == Scaling::Fill && medium.margins == [0; 4] && printer.takes_sizes;
     match &medium.name {
-        Some(name) if medium.named => add("media", keyword(name)),
+        Some(name) if medium.named && !borderless => add("media", keyword(name)),
         _ => {
             let [width, height] = medium.size.map(IppValue::Integer);
-            add("media-col", collection([("media-size", collection([("x-dimension", width), ("y-dimension", height)]))]));
+            let size = ("media-size", collection([("x-dimension", width), ("y-dimension", height)]));
+            let margins = ["media-top-margin", "media-right-margin", "media-bottom-margin", "media-left-margin"];
+            let margins = margins.into_iter().filter(|_| borderless).map(|name| (name, IppValue::Integer(0)));
+            add("media-col", collection(std::iter::once(size).chain(margins)));
         }
     }
     if copies > 1 {
@@ -304,10 +285,110 @@ fn attributes(printer: &Printer, wishes: &Wishes, medium: &Chosen, dpi: u32, cop
     all
 }
 
-/// The format of that name, if it is one that is printed.
-///
-/// # Errors
-/// No format has that name.
-pub fn named(name: &str) -> Result<&'static Format, Failure> {
-    by_name(name).ok_or_else(|| wish(format!("no format is called {name:?}: see runset formats")))
+#[cfg(test)]
+mod tests {
+    use super::super::printer::Status;
+    use super::*;
+    use crate::encode::by_name;
+
+    fn medium(name: &str, width: i32, height: (i32, i32), margin: i32, ready: bool) -> Medium {
+        let name = (!name.is_empty()).then(|| name.to_owned());
+        Medium { name, width: (width, width), height, margins: [margin; 4], ready, source: None }
+    }
+
+    fn printer(media: Vec<Medium>) -> Printer {
+        Printer {
+            name: "printer".to_owned(),
+            model: None,
+            status: Status::Idle,
+            reasons: Vec::new(),
+            accepting: true,
+            formats: ["image/png", "image/urf", "image/pwg-raster"].map(str::to_owned).to_vec(),
+            resolutions: vec![[600, 600]],
+            pwg_resolutions: vec![[300, 300], [600, 1200], [1200, 1200]],
+            pclm_resolutions: Vec::new(),
+            pwg_types: vec!["sgray_8".to_owned()],
+            urf: vec!["W8".to_owned(), "RS300-600".to_owned()],
+            media,
+            default_medium: Some("na_letter_8.5x11in".to_owned()),
+            takes_sizes: true,
+            copies: 99,
+            knows: vec!["print-scaling".to_owned()],
+            steps: true,
+        }
+    }
+
+    const A4: [f64; 2] = [21000.0, 29700.0];
+
+    fn choice(printer: &Printer, wishes: &Wishes, drawing: [f64; 2]) -> Result<Choice, Failure> {
+        choose(printer, wishes, drawing, Pixels::Black)
+    }
+
+    #[test]
+    fn formats_and_resolutions() {
+        let own = printer(vec![medium("iso_a4_210x297mm", 21000, (29700, 29700), 0, true)]);
+        let of = |wishes: Wishes| choice(&own, &wishes, A4).map(|choice| (choice.format.name, choice.dpi));
+        let named = |name| by_name(name);
+        assert_eq!(of(Wishes::default()), Ok(("pwg", 1200)), "the finest that is the same both ways");
+        assert_eq!(of(Wishes { dpi: Some(300), ..Wishes::default() }), Ok(("pwg", 300)));
+        assert_eq!(of(Wishes { format: named("urf"), ..Wishes::default() }), Ok(("urf", 600)));
+        assert_eq!(of(Wishes { format: named("png"), ..Wishes::default() }), Ok(("png", 600)));
+        assert!(of(Wishes { format: named("png"), dpi: Some(1200), ..Wishes::default() }).unwrap_err().what.contains("it has 600"));
+        assert!(of(Wishes { format: named("pbm"), ..Wishes::default() }).unwrap_err().what.contains("it takes png, pwg, urf"));
+        let steps = Printer { steps: false, ..own.clone() };
+        assert_eq!(choice(&steps, &Wishes::default(), A4).unwrap_err().why, Why::Refused);
+    }
+
+    #[test]
+    fn pixels_are_the_least_that_show_the_inks() {
+        let own = printer(vec![medium("iso_a4_210x297mm", 21000, (29700, 29700), 0, true)]);
+        let pixels = |inks| choose(&own, &Wishes::default(), A4, inks).map(|choice| choice.sheet.pixels);
+        assert_eq!(pixels(Pixels::Black), Ok(Some(Pixels::Gray)), "there is no black of a bit");
+        assert_eq!(pixels(Pixels::Rgb), Ok(Some(Pixels::Gray)), "there are no colours");
+        let own = Printer { pwg_types: ["black_1", "sgray_8", "srgb_8"].map(str::to_owned).to_vec(), ..own.clone() };
+        for inks in [Pixels::Black, Pixels::Gray, Pixels::Rgb] {
+            assert_eq!(choose(&own, &Wishes::default(), A4, inks).map(|choice| choice.sheet.pixels), Ok(Some(inks)));
+        }
+    }
+
+    #[test]
+    fn media_of_the_drawings_size_come_first() {
+        let letter = || medium("na_letter_8.5x11in", 21590, (27940, 27940), 600, true);
+        let a4 = |ready, margin| medium("iso_a4_210x297mm", 21000, (29700, 29700), margin, ready);
+        let roll = || medium("", 91440, (20000, 1_500_000), 300, true);
+        let of = |media: Vec<Medium>, drawing: [f64; 2]| {
+            let choice = choice(&printer(media), &Wishes::default(), drawing).unwrap();
+            (choice.medium.to_string(), choice.sheet.turned, choice.medium.margins[0])
+        };
+        assert_eq!(of(vec![letter(), a4(true, 0), a4(true, 400)], A4), ("iso_a4_210x297mm".to_owned(), false, 400));
+        let fill = Wishes { scaling: Scaling::Fill, ..Wishes::default() };
+        let filled = choice(&printer(vec![a4(true, 400), a4(true, 0)]), &fill, A4).unwrap();
+        assert_eq!((filled.medium.margins, filled.attributes[0].0.as_str()), ([0; 4], "media-col"), "its margins are named");
+        assert_eq!(of(vec![letter(), a4(true, 400)], [29700.0, 21000.0]), ("iso_a4_210x297mm".to_owned(), true, 400));
+        // A roll is there, a sheet of that size is not: 841 x 1189 mm.
+        assert_eq!(of(vec![letter(), roll(), a4(false, 0)], [84100.0, 118_900.0]), ("914.4 x 1189 mm".to_owned(), false, 300));
+        assert_eq!(of(vec![letter(), roll()], [118_900.0, 84100.0]), ("914.4 x 1189 mm".to_owned(), true, 300));
+        assert_eq!(of(vec![letter(), a4(false, 0)], A4), ("iso_a4_210x297mm".to_owned(), false, 0));
+        assert_eq!(of(vec![letter(), a4(false, 0)], [1e6, 1e6]), ("na_letter_8.5x11in".to_owned(), false, 600));
+        assert!(choice(&Printer { default_medium: None, ..printer(Vec::new()) }, &Wishes::default(), A4).is_err());
+    }
+
+    #[test]
+    fn a_medium_that_is_named() {
+        let own =
+            printer(vec![medium("iso_a4_210x297mm", 21000, (29700, 29700), 400, true), medium("", 91440, (20000, 1_500_000), 300, true)]);
+        let of = |media: &str| choice(&own, &Wishes { media: Some(media.to_owned()), ..Wishes::default() }, A4);
+        let attribute = |media: &str| of(media).map(|choice| choice.attributes[0].clone());
+        assert_eq!(attribute("a4"), Ok(("media".to_owned(), keyword("iso_a4_210x297mm"))));
+        let size =
+            |x, y| collection([("media-size", collection([("x-dimension", IppValue::Integer(x)), ("y-dimension", IppValue::Integer(y))]))]);
+        assert_eq!(attribute("914.4x1200mm"), Ok(("media-col".to_owned(), size(91440, 120_000))));
+        // The printer tells of none; it is asked.
+        assert_eq!(attribute("iso_a0_841x1189mm"), Ok(("media".to_owned(), keyword("iso_a0_841x1189mm"))));
+        assert!(of("a7").unwrap_err().what.contains("iso_a4_210x297mm"));
+        let copies = of("a4").map(|choice| (choice.copies, choice.repeats));
+        assert_eq!(copies, Ok((1, 1)));
+        let many = choice(&own, &Wishes { copies: 100, ..Wishes::default() }, A4).map(|choice| (choice.copies, choice.repeats));
+        assert_eq!(many, Ok((1, 100)), "the printer makes 99");
+    }
 }

@@ -6,7 +6,6 @@ use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::task::{Context, Poll, ready};
-use std::time::Duration;
 
 use bytes::Bytes;
 use http_body_util::{BodyExt, Limited};
@@ -181,21 +180,6 @@ fn body_fault(way: &Option<Arc<Way>>) -> impl Fn(&str, &hyper::Error) -> Failure
 
 fn without_number(error: &std::io::Error) -> String {
     error.to_string().split(" (os error").next().unwrap_or_default().to_owned()
-}
-
-/// How long it is waited between two questions: twice as long each time, up to some seconds.
-pub(super) struct Pauses(Duration);
-
-impl Pauses {
-    pub(super) fn new() -> Pauses {
-        Pauses(Duration::from_millis(100))
-    }
-
-    pub(super) fn next(&mut self) -> Duration {
-        let pause = self.0;
-        self.0 = (2 * pause).min(Duration::from_secs(5));
-        pause
-    }
 }
 
 /// A request on its way: its attributes, then its document, counted.

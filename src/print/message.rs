@@ -158,7 +158,7 @@ impl Answer {
 
 /// Attributes of a group.
 #[derive(Clone, Copy)]
-pub struct Attributes<'a>(&'a [(String, IppValue)]);
+pub struct Attributes<'a>(pub(super) &'a [(String, IppValue)]);
 
 impl<'a> Attributes<'a> {
     /// The values of an attribute; none if it is not there.

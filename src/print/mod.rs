@@ -4,8 +4,10 @@
 //!   address    where a printer is           message   requests and answers, bounded
 //!   client     HTTP below them              printer   what a printer says it can
 //!   media      sizes and their names        choice    format, resolution, medium, and why
-//!   sheet      where a drawing lies         body      a raster on its way, or in a file first
-//!   errand     validate, create, send       job       a job as its printer sees it
+//!   wishes     what is asked for            sheet     where a drawing lies
+//!   body       a raster on its way          errand    validate, create
+//!   sending    the document                 following to the printer's last word
+//!   job        as its printer sees it       waited    patience
 //!   find       printers on the network
 //! ```
 //!
@@ -27,11 +29,15 @@ mod client;
 mod errand;
 mod failure;
 pub mod find;
+mod following;
 mod job;
 pub mod media;
 mod message;
 mod printer;
+mod sending;
 pub mod sheet;
+mod waited;
+pub mod wishes;
 
 use std::time::Duration;
 

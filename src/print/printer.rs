@@ -3,11 +3,12 @@
 use ipp::model::Operation;
 use ipp::value::IppValue;
 
-use super::client::{Client, Pauses};
+use super::client::Client;
 use super::failure::Failure;
 use super::job::{refused, user};
 use super::media::{Medium, size_of};
 use super::message::{Attributes, Request, keywords, member, number, range, text, title};
+use super::waited::Pauses;
 
 /// What is asked for by name; many printers leave out `media-col-database` unless it is.
 const ASKED: [&str; 30] = [
@@ -261,4 +262,69 @@ fn of_collection(value: &IppValue, ready: bool, margins: [i32; 4]) -> Option<Med
         ready,
         source: member(value, "media-source").and_then(text).map(str::to_owned),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::message::{collection, keyword};
+    use super::*;
+
+    fn size(width: IppValue, height: IppValue) -> IppValue {
+        collection([("x-dimension", width), ("y-dimension", height)])
+    }
+
+    #[test]
+    fn media_are_sizes_margins_and_rolls() {
+        let number = IppValue::Integer;
+        let a4 = collection([
+            ("media-size", size(number(21000), number(29700))),
+            ("media-top-margin", number(300)),
+            ("media-right-margin", number(400)),
+            ("media-bottom-margin", number(500)),
+            ("media-left-margin", number(600)),
+        ]);
+        let full = collection([
+            ("media-size", size(number(21000), number(29700))),
+            ("media-top-margin", number(0)),
+            ("media-right-margin", number(0)),
+            ("media-bottom-margin", number(0)),
+            ("media-left-margin", number(0)),
+        ]);
+        let roll = collection([("media-size", size(number(91440), IppValue::RangeOfInteger { min: 20000, max: 1_500_000 }))]);
+        let wrong = collection([("media-size", size(number(-5), number(3)))]);
+        let told = [
+            ("media-col-ready", IppValue::Array(vec![roll])),
+            ("media-col-database", IppValue::Array(vec![a4, full, wrong, keyword("none")])),
+            (
+                "media-supported",
+                IppValue::Array(vec![keyword("iso_a4_210x297mm"), keyword("iso_a3_297x420mm"), keyword("roll_max_914x15000mm")]),
+            ),
+            ("media-left-margin-supported", IppValue::Array(vec![number(0), number(700)])),
+        ]
+        .map(|(name, value)| (name.to_owned(), value));
+        let all = media(Attributes(&told));
+        let short: Vec<_> = all.iter().map(|m| (m.name.as_deref(), m.width.0, m.height, m.margins, m.ready)).collect();
+        assert_eq!(
+            short,
+            [
+                (None, 91440, (20000, 1_500_000), [0, 0, 0, 700], true),
+                (Some("iso_a4_210x297mm"), 21000, (29700, 29700), [300, 400, 500, 600], false),
+                (Some("iso_a4_210x297mm"), 21000, (29700, 29700), [0; 4], false),
+                (Some("iso_a3_297x420mm"), 29700, (42000, 42000), [0, 0, 0, 700], false),
+            ]
+        );
+    }
+
+    #[test]
+    fn resolutions_are_dots_an_inch() {
+        let dots = |x, y, units| IppValue::Resolution { cross_feed: x, feed: y, units };
+        let told = [(
+            "r".to_owned(),
+            IppValue::Array(vec![dots(600, 600, 3), dots(600, 1200, 3), dots(236, 236, 4), dots(-1, 5, 3), dots(9, 9, 7)]),
+        )];
+        // 236 dots a centimetre are 599.44 an inch.
+        assert_eq!(resolutions(Attributes(&told), "r"), [[600, 600], [600, 1200], [599, 599]]);
+        let words = ["W8", "RS300-600", "RSx", "V1.4"].map(str::to_owned);
+        assert_eq!(urf_resolutions(&words), [[300, 300], [600, 600]]);
+    }
 }

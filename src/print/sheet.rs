@@ -14,6 +14,7 @@ use crate::edge::Placement;
 use crate::error::{Result, Warning};
 use crate::grid::Point;
 use crate::job::{Options, Size};
+use crate::run::{BLACK, Pixels};
 use crate::scene::{Expression, Limits, Picture, Scene};
 use crate::shape::{Path, Shape};
 
@@ -68,6 +69,8 @@ pub struct Sheet {
     pub turned: bool,
     /// How it was brought to size; not `Auto`.
     pub scaling: Scaling,
+    /// What pixels are to be, where the format leaves a choice.
+    pub pixels: Option<Pixels>,
     /// Whether the printer cuts off some of it at the margins of the sheet.
     pub cut: bool,
 }
@@ -75,6 +78,16 @@ pub struct Sheet {
 /// The size of a drawing in hundredths of a millimetre.
 pub fn size(scene: &Scene) -> [f64; 2] {
     [scene.width, scene.height].map(|units| units / UNITS * INCH)
+}
+
+/// The least that shows all inks of a drawing; an expression over it is black.
+pub fn pixels(scene: &Scene, expr: Option<&str>) -> Pixels {
+    let Picture::Layers(layers) = &scene.picture else { return Pixels::Black };
+    match expr {
+        None if layers.iter().any(|layer| layer.ink != [layer.ink[0]; 3]) => Pixels::Rgb,
+        None if layers.iter().any(|layer| layer.ink != BLACK) => Pixels::Gray,
+        _ => Pixels::Black,
+    }
 }
 
 /// Lays a drawing of that size, in hundredths of a millimetre, on a medium.
@@ -112,7 +125,7 @@ pub fn lay(drawing: [f64; 2], medium: &Chosen, dpi: u32, scaling: Scaling, turne
     let (x, y) = (offset[0] / dots, offset[1] / dots);
     let over = |a: f64, b: f64| a < b - 1.0;
     let cut = over(x, left) || over(y, top) || over(sheet[0] - right, x + w * factor) || over(sheet[1] - bottom, y + h * factor);
-    Sheet { width: width as u32, height: height as u32, dpi, placement: Placement { scale, offset }, turned, scaling, cut }
+    Sheet { width: width as u32, height: height as u32, dpi, placement: Placement { scale, offset }, turned, scaling, pixels: None, cut }
 }
 
 /// What is to be drawn on a sheet: the document's own picture or an expression over it, within the drawing's page and `bleed` hundredths of a millimetre around it.
@@ -148,8 +161,14 @@ pub fn compose(
         scene.shapes.iter_mut().for_each(|shape| shape.transform = shape.transform.then_turn(height));
         (scene.width, scene.height) = (scene.height, scene.width);
     }
-    let Sheet { width, height, dpi, placement, .. } = *sheet;
-    Ok(Options { size: Size::Placed { width, height, dpi: f64::from(dpi), placement }, limits: *limits, ..Options::default() })
+    let Sheet { width, height, dpi, placement, pixels, .. } = *sheet;
+    Ok(Options {
+        size: Size::Placed { width, height, placement },
+        dpi: Some(f64::from(dpi)),
+        pixels,
+        limits: *limits,
+        ..Options::default()
+    })
 }
 
 #[cfg(test)]
@@ -199,7 +218,7 @@ mod tests {
 
     fn sheet(width: u32, height: u32, offset: Point, turned: bool) -> Sheet {
         let placement = Placement { scale: 1.0, offset };
-        Sheet { width, height, dpi: 96, placement, turned, scaling: Scaling::None, cut: false }
+        Sheet { width, height, dpi: 96, placement, turned, scaling: Scaling::None, pixels: None, cut: false }
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! Runs: what the sweep hands to the writers, and what the readers of line streams hand back.
 //!
 //! A raster is described by its [`Header`]; its lines come as [`Lines`], from top to bottom, every line
-//! once. [`Merge`] turns them into records: maximal groups of equal lines, broken at multiples of
-//! [`RECORD_LINES`], so that no record depends on how the page was cut into bands.
+//! once. [`Merge`] turns them into groups of equal lines, broken at multiples of a number of lines ([`RECORD_LINES`] in
+//! line streams), so that no group depends on how the page was cut into bands.
 
 mod colour;
 mod inks;
+mod sheet;
 
 pub use colour::{BLACK, Hex, Rgb, WHITE};
 pub use inks::{Inks, MAX_INKS, Told, colour_of, ink_of};
+pub use sheet::{Pixels, Sheet};
 
 use std::ops::Range;
 
@@ -37,6 +39,8 @@ pub struct Header {
     pub inks: Inks,
     /// Resolution in dots an inch, where it was asked for.
     pub dpi: Option<f64>,
+    /// Which page it is, where a file holds several.
+    pub sheet: Sheet,
 }
 
 impl Header {
@@ -66,26 +70,32 @@ impl Lines<'_> {
     }
 }
 
-/// Gathers lines into records: maximal groups of equal lines within [`RECORD_LINES`].
+/// Gathers lines into groups: equal lines, as many as follow each other between two multiples of a number of lines.
 ///
 /// ```text
 /// in   y0 n1 [a]   y1 n2 [a]   y3 n1 [b] ...      out   y0 n3 [a]   y3 n1 [b] ...
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Merge {
+    most: u32,
     y: u32,
     n: u32,
     runs: Vec<Run>,
 }
 
 impl Merge {
-    /// Takes the next lines (they must follow those taken before) and hands finished records to `emit`.
-    /// `lines` may span a record boundary.
+    /// Groups that break at multiples of `most` lines of the page.
+    pub fn new(most: u32) -> Merge {
+        Merge { most, y: 0, n: 0, runs: Vec::new() }
+    }
+
+    /// Takes the next lines (they must follow those taken before) and hands finished groups to `emit`.
+    /// `lines` may span a multiple at which groups break.
     pub fn push(&mut self, lines: Lines<'_>, mut emit: impl FnMut(Lines<'_>)) {
         debug_assert!(self.n == 0 || self.y + self.n == lines.y, "lines follow each other");
         let (mut y, end) = (lines.y, lines.y + lines.n);
         while y < end {
-            if y.is_multiple_of(RECORD_LINES) || self.runs != lines.runs {
+            if y.is_multiple_of(self.most) || self.runs != lines.runs {
                 self.flush(&mut emit);
             }
             if self.n == 0 {
@@ -93,13 +103,13 @@ impl Merge {
                 self.runs.clear();
                 self.runs.extend_from_slice(lines.runs);
             }
-            let take = (end - y).min(RECORD_LINES - y % RECORD_LINES);
+            let take = (end - y).min(self.most - y % self.most);
             self.n += take;
             y += take;
         }
     }
 
-    /// Hands out the record that is still open, if there is one.
+    /// Hands out the group that is still open, if there is one.
     pub fn flush(&mut self, emit: impl FnOnce(Lines<'_>)) {
         if self.n > 0 {
             emit(Lines { y: self.y, n: self.n, runs: &self.runs });
@@ -107,7 +117,7 @@ impl Merge {
         }
     }
 
-    /// Forgets the record that is still open, and says at which line it began. There must be one.
+    /// Forgets the group that is still open, and says at which line it began. There must be one.
     pub fn forget(&mut self) -> u32 {
         debug_assert!(self.n > 0, "lines were taken");
         self.n = 0;
@@ -140,7 +150,7 @@ mod tests {
             pieces in prop::collection::vec((prop_oneof![1u32..20, 4090..4100u32, 8190..8200u32], 0u32..3), 1..12),
         ) {
             let row = |kind: u32| (0..kind).map(|i| Run { start: 10 * i, end: 10 * i + 5, ink: 0 }).collect::<Vec<_>>();
-            let (mut merge, mut y, mut got, mut lines) = (Merge::default(), first, Vec::new(), Vec::new());
+            let (mut merge, mut y, mut got, mut lines) = (Merge::new(RECORD_LINES), first, Vec::new(), Vec::new());
             let mut keep = |r: Lines<'_>| got.push((r.y, r.n, r.runs.to_vec()));
             for (n, kind) in pieces {
                 let runs = row(kind);

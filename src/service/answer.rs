@@ -59,10 +59,13 @@ pub async fn raster(service: Service, asker: Asker, params: &Params, headers: &H
         Ok(bytes.into())
     });
     let shared = service.drawings.get(key, ask.of(source)).await?;
-    Ok(stream(service, asker, params.kind(), shared, format, place))
+    stream(service, asker, params.kind(), shared, format, place)
 }
 
 /// The raster of a drawing as an answer.
+///
+/// # Errors
+/// The format cannot hold it.
 pub fn stream(
     service: Service,
     asker: Asker,
@@ -70,9 +73,10 @@ pub fn stream(
     shared: Shared<Drawing>,
     format: &'static Format,
     place: OwnedSemaphorePermit,
-) -> Response {
-    meters::render(kind.name(), format.name);
+) -> Result<Response, Problem> {
     let drawing = shared.thing.clone();
+    format.check(drawing.job.header())?;
+    meters::render(kind.name(), format.name);
     let raster = Raster::new(service, shared, drawing.job.stream(format), place, asker.connection).timed(asker.started);
     let mut response = raster.into_body().into_response();
     let headers = response.headers_mut();
@@ -81,7 +85,7 @@ pub fn stream(
         headers.insert(CONTENT_LENGTH, HeaderValue::from(length));
     }
     warn(&drawing.warnings, headers);
-    response
+    Ok(response)
 }
 
 /// The first bytes of a digest over a raster's key and its format, as a strong tag (RFC 9110, section 8.8.3).

@@ -71,7 +71,8 @@ pub async fn run(listener: TcpListener, service: Service, shutdown: Cancellation
     drop(listener);
     service.ending.cancel();
     tasks.close();
-    if tokio::time::timeout(service.config.grace, tasks.wait()).await.is_err() {
+    let settled = async { tokio::join!(tasks.wait(), printing::settle(&service)) };
+    if tokio::time::timeout(service.config.grace, settled).await.is_err() {
         service.connections.end_all(Why::Shutdown);
         let _ = tokio::time::timeout(Duration::from_secs(5), tasks.wait()).await;
     }

@@ -88,7 +88,7 @@ pub async fn view(
         Ok((Job::solid(&kept, &SolidOptions { started: asker.started, lines, ..options })?, model.warnings.clone()))
     };
     let shared = service.drawings.get(key, Box::new(make)).await?;
-    let mut response = answer::stream(service, asker, Kind::Solid, shared, format, place);
+    let mut response = answer::stream(service, asker, Kind::Solid, shared, format, place)?;
     response.headers_mut().insert(ETAG, tag);
     response.headers_mut().insert(VARY, HeaderValue::from_static("accept"));
     Ok(response)

@@ -62,7 +62,7 @@ fn an_unknown_format_or_extension_is_answered_with_all_of_them() {
     for args in ["fill scene.json --format frob", "fill scene.json -o a.frob", "convert scene.json -o a.frob"] {
         let ran = folder.run(args);
         assert_eq!((ran.status, ran.stderr.lines().count()), (Some(2), 1), "{}", ran.stderr);
-        for format in ["pbm", "pgm", "ppm", "png", "ndjson", "rls"] {
+        for format in ["pbm", "pgm", "ppm", "png", "pwg", "urf", "ndjson", "rls"] {
             assert!(ran.stderr.contains(format), "{format}: {}", ran.stderr);
         }
     }

@@ -56,6 +56,26 @@ fn the_choice_is_told_and_a_dry_run_sends_nothing() {
 }
 
 #[test]
+fn pages_of_a_document_and_copies_within_it() {
+    let folder = Folder::new();
+    for (name, side) in [("a", 300), ("b", 500)] {
+        let square = format!(
+            r#"{{ "width": 816, "height": 1056, "shapes": {{ "s": {{ "rings": [[[0, 0], [{side}, 0], [{side}, {side}], [0, {side}]]] }} }}, "expr": "s" }}"#
+        );
+        std::fs::write(folder.path(&format!("{name}.json")), square).unwrap();
+    }
+    for (format, media_type) in [("pwg", "image/pwg-raster"), ("urf", "image/urf")] {
+        let Some(printer) = Printer::start(media_type, "true") else { return };
+        let ran = folder.run(&format!("print a.json b.json --copies 2 --to {}", printer.uri()));
+        ran.printed();
+        assert!(ran.stderr.contains(&format!("{format} at 600 dpi")), "{ran:?}");
+        let expected = folder.fill(&format!("a.json b.json a.json b.json --dpi 600 --format {format}"));
+        assert!(printer.documents() == [expected], "{format}: one document of four pages");
+        assert_eq!(printer.jobs().len(), 1);
+    }
+}
+
+#[test]
 fn pages_and_copies_that_a_printer_does_not_make_are_jobs_of_their_own() {
     let Some(printer) = Printer::start("image/x-portable-bitmap", "true") else { return };
     let folder = Folder::new();

@@ -136,6 +136,28 @@ fn a_document_that_a_kill_cuts_off_is_not_sent_again() {
 }
 
 #[test]
+fn a_service_that_is_asked_to_end_sends_what_it_has_begun() {
+    let Some(printer) = Printer::start("image/x-portable-bitmap", "true") else { return };
+    let data = Data::new();
+    let proxy = Proxy::start(printer.port, Rules { slow: AtomicU64::new(10), ..Rules::default() });
+    let options = ["--printer", &proxy.uri()];
+    let mut server = Server::start(&data.data(), &options);
+    let job = server.job("", LETTER);
+    print(&server, &job, &json!({})).ok(202);
+    wait_until("a part was sent", || server.get(&format!("{job}/print")).json()["sent"].as_u64().unwrap() > 100_000);
+    server.signal("TERM");
+    let mut status = None;
+    wait_until("the service has ended", || {
+        status = server.ended();
+        status.is_some()
+    });
+    assert!(status.unwrap().success(), "{status:?}");
+    let server = Server::start(&data.data(), &options);
+    assert_eq!(comes_to(&server, &job, &ENDS)["state"], "printed");
+    assert_eq!((printer.documents().len(), printer.jobs().len()), (1, 1));
+}
+
+#[test]
 fn a_print_is_cancelled_at_the_printer() {
     let Some(printer) = Printer::start("image/x-portable-bitmap", "sleep 3") else { return };
     let data = Data::new();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use runset::encode::{self, Encode, Strip};
-use runset::run::{Header, Inks, Lines, Rgb, Run, ink_of};
+use runset::run::{Header, Inks, Lines, Rgb, Run, Sheet, ink_of};
 
 /// SplitMix64: the same numbers from the same seed, everywhere.
 pub struct Rng(pub u64);
@@ -59,7 +59,7 @@ impl Raster {
             let size = (rows.len() + times as usize).min(lines.len());
             rows.resize(size, row);
         }
-        Raster { header: Header { width, lines, inks, dpi: None }, rows }
+        Raster { header: Header { width, lines, inks, dpi: None, sheet: Sheet::default() }, rows }
     }
 
     /// The colour of a pixel.

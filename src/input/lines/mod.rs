@@ -19,7 +19,7 @@ use std::ops::Range;
 use crate::checksum::Checksum;
 use crate::error::{Error, Kind, Result};
 use crate::grid::{MAX_HEIGHT, MAX_WIDTH};
-use crate::run::{Header, Hex, Inks, Lines, Rgb, Run};
+use crate::run::{Header, Hex, Inks, Lines, Rgb, Run, Sheet};
 
 /// A result whose message still lacks its place.
 type Checked<T = ()> = std::result::Result<T, String>;
@@ -100,7 +100,7 @@ struct Raster {
 
 impl Raster {
     fn new(width: u32, lines: Range<u32>, inks: Inks) -> Raster {
-        let header = Header { width, lines, inks, dpi: None };
+        let header = Header { width, lines, inks, dpi: None, sheet: Sheet::default() };
         Raster { sum: Checksum::new(&header), y: header.lines.start, n: 0, runs: Vec::new(), header }
     }
 

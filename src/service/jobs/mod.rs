@@ -341,6 +341,7 @@ pub async fn create(
     let (key, bytes) = (params.key(&document.digest), document.bytes.clone());
     let shared = service.drawings.get(key, ask.of(Box::new(move || Ok(bytes.into())))).await?;
     let header = shared.thing.job.header();
+    format.check(header)?;
     let now = Timestamp::now();
     let view = View {
         id: uuid::Uuid::now_v7().simple().to_string(),

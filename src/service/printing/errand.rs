@@ -3,6 +3,7 @@
 use std::io;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use http_body_util::BodyExt as _;
 use jiff::Timestamp;
@@ -57,6 +58,13 @@ pub async fn resume(service: Service) {
         let Ok(place) = service.prints.clone().acquire_owned().await else { return };
         let cancelled = live.canceller.begin();
         begin(service.clone(), live, stored, cancelled, place);
+    }
+}
+
+/// Waits until no document is on its way to a printer.
+pub async fn settle(service: &Service) {
+    while service.jobs.printing().iter().any(|(_, stored)| matches!(stored.stage, Stage::Sending(_))) {
+        tokio::time::sleep(Duration::from_millis(50)).await;
     }
 }
 
@@ -133,7 +141,8 @@ impl Drawn<'_> {
         let make = Box::new(move |config: &super::super::Config| {
             let bytes = std::fs::read(path).map_err(|error| super::super::problem::Problem::storing(&error))?;
             let (mut scene, mut warnings) = asking::scene(config, bytes)?;
-            let choice = choice::choose(&printer, &wishes, sheet::size(&scene));
+            let inks = sheet::pixels(&scene, asked.expr.as_deref());
+            let choice = choice::choose(&printer, &wishes, sheet::size(&scene), inks);
             let choice = choice.and_then(|choice| match choice.repeats {
                 1 => Ok(choice),
                 n => Err(Failure::new(Why::Wish, format!("the printer makes fewer than {n} copies of a document: print it as often"))),
@@ -148,6 +157,7 @@ impl Drawn<'_> {
             };
             let options = sheet::compose(&mut scene, asked.expr.as_deref(), bleed, &choice.sheet, &config.limits, &mut warnings)?;
             let job = Job::prepare(scene, &Options { tolerance: asked.tolerance, ..options }, &mut warnings)?;
+            choice.format.check(job.header())?;
             *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(choice);
             Ok((job, warnings))
         });
@@ -203,6 +213,10 @@ struct Watcher<'s> {
 
 impl Watch for Watcher<'_> {
     async fn reached(&mut self, stage: &Stage) -> Result<(), Failure> {
+        if matches!(stage, Stage::Sending(_)) && self.service.ending.is_cancelled() {
+            // A service that ends sends nothing any more: the next one does.
+            std::future::pending::<()>().await;
+        }
         self.live.change(|now| {
             now.print(|print| {
                 print.state = match stage {

@@ -23,14 +23,14 @@ use serde::{Deserialize, Serialize};
 use tokio_util::sync::CancellationToken;
 use utoipa::ToSchema;
 
-pub use self::errand::resume;
+pub use self::errand::{resume, settle};
 use super::Service;
 use super::jobs::{Id, Live, Phase};
 use super::params::Kind;
 use super::problem::{Details, Problem};
 use crate::encode::Format;
-use crate::print::choice::{self, Quality, Wishes};
 use crate::print::sheet::Scaling;
+use crate::print::wishes::{self, Quality, Wishes};
 use crate::print::{Address, Stage};
 
 /// Bytes of a request to print.
@@ -173,7 +173,7 @@ impl PrintRequest {
         if self.bleed.is_some_and(|bleed| !(0.0..=1000.0).contains(&bleed)) {
             return Err(Problem::malformed("bleed: give a number of millimetres from 0 to 1000"));
         }
-        let format = |name: &String| choice::named(name).map_err(|failure| Problem::malformed(failure.what));
+        let format = |name: &String| wishes::named(name).map_err(|failure| Problem::malformed(failure.what));
         let format: Option<&'static Format> = self.format.as_ref().map(format).transpose()?;
         Ok(Wishes {
             format,
