@@ -131,6 +131,6 @@ mod tests {
         };
         assert!(roll.is_roll() && roll.is([91400, 120_000]) && roll.is([91350, 120_000]) && !roll.is([60000, 120_000]));
         let chosen = roll.sized([60000, 120_000]);
-        assert_eq!((chosen.size, chosen.name, chosen.to_string()), ([91400, 120_000], None, "914 x 1200 mm".to_owned()).clone());
+        assert_eq!((chosen.size, chosen.name.as_deref(), chosen.to_string().as_str()), ([91400, 120_000], None, "914 x 1200 mm"));
     }
 }

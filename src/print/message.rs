@@ -62,7 +62,11 @@ impl Request {
 
 /// Text that fits into a bound, cut between characters.
 fn cut<const MAX: usize>(text: &str) -> BoundedString<MAX> {
-    BoundedString::new(&text[..text.floor_char_boundary(MAX)]).expect("it was cut")
+    let mut end = text.len().min(MAX);
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    BoundedString::new(&text[..end]).expect("it was cut")
 }
 
 fn name(text: &str) -> IppName {
