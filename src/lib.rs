@@ -9,6 +9,7 @@
 //!
 //! ```text
 //! 5  cli  main  service      arguments, files, signals; HTTP, stored jobs
+//!    print                   sheets, printers, errands over IPP
 //! 4  job                     bytes -> scene -> rows -> Write
 //! 3  region  solid  input  encode   runs of a page; spans of a model; readers; writers
 //! 2  edge  mesh  scene       edge builders; polyhedra; shapes, expression, page, limits
@@ -28,6 +29,8 @@ pub mod input;
 pub mod job;
 pub mod line;
 pub mod mesh;
+#[cfg(feature = "print")]
+pub mod print;
 pub mod region;
 pub mod run;
 pub mod scene;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: &[&[&str]] = &[
     &["main", "cli"],
     &["service"],
+    &["print"],
     &["job"],
     &["region", "solid", "input", "encode"],
     &["edge", "mesh"],

@@ -2,14 +2,15 @@
 
 import { at, bytes, make, number, problem, say } from "./dom.js";
 import { address, call, withToken } from "./api.js";
+import { Printing } from "./print.js";
 import { forget, save, saved } from "./save.js";
 
 /**
  * @typedef {{ id: string, kind: "fill" | "solid", state: "ready" | "reading" | "done" | "failed" | "cancelled", format: string, width: number, height: number, lines: number,
- *   lines_delivered: number, bytes: number | null, created: string, error: string | null, warnings: string[] }} Job
+ *   lines_delivered: number, bytes: number | null, created: string, error: string | null, warnings: string[], print?: import("./print.js").Print | null }} Job
  *
  * A job in the list.
- * @typedef {{ job: Job, element: HTMLLIElement, have: number, stop?: () => void, follow?: AbortController, failed: string }} Item
+ * @typedef {{ job: Job, element: HTMLLIElement, have: number, stop?: () => void, follow?: AbortController, failed: string, printing?: Printing }} Item
  */
 
 /** A browser opens six connections to a service: event streams must not take them all. */
@@ -213,6 +214,7 @@ export class Jobs extends EventTarget {
     download.textContent = stop ? "Pause" : whole ? "Save again" : have ? "Resume" : "Download";
     download.disabled = job.state === "failed";
     /** @type {HTMLButtonElement} */ (get("show")).hidden = job.format !== "rls";
+    item.printing?.show(job.print);
   }
 
   /** @param {Item} item */
@@ -224,12 +226,15 @@ export class Jobs extends EventTarget {
       return made;
     };
     const when = new Date(job.created);
+    // Models are not printed.
+    if (job.kind === "fill") item.printing = new Printing(job.id);
     element.append(
       make("div", { class: "row" },
         make("span", { class: "format", id: `job-${job.id}` }, `${job.kind === "solid" ? "model, " : ""}${job.format} `, make("time", { datetime: job.created }, when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" }))),
         make("span", { class: "state" })),
       make("progress", { class: "progress", "aria-labelledby": `job-${job.id}` }),
       make("div", { class: "row note" }, make("span", { class: "about" }), make("span", { class: "far" })),
+      ...(item.printing ? [item.printing.element] : []),
       make("div", { class: "row" },
         button("show", "Show", () => {
           this.current = job.id;

@@ -10,6 +10,10 @@ mod info;
 mod input;
 mod messages;
 mod output;
+#[cfg(feature = "print")]
+mod print;
+#[cfg(feature = "print")]
+mod printers;
 mod progress;
 mod reference;
 mod scad;
@@ -55,6 +59,10 @@ enum Command {
     Fill(fill::Fill),
     Convert(convert::Convert),
     Solid(solid::Solid),
+    #[cfg(feature = "print")]
+    Print(print::Print),
+    #[cfg(feature = "print")]
+    Printers(printers::Printers),
     #[cfg(feature = "serve")]
     Serve(serve::Serve),
     Info(info::Inspect),
@@ -69,6 +77,10 @@ pub fn run(started: Instant) -> ExitCode {
         Command::Fill(args) => fill::run(&args, started),
         Command::Solid(args) => solid::run(&args, started),
         Command::Convert(args) => convert::run(&args),
+        #[cfg(feature = "print")]
+        Command::Print(args) => print::run(&args, started),
+        #[cfg(feature = "print")]
+        Command::Printers(args) => printers::run(&args),
         #[cfg(feature = "serve")]
         Command::Serve(args) => serve::run(&args),
         Command::Info(args) => info::run(&args),

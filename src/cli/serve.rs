@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use runset::print::Address;
 use runset::scene::Limits;
 use runset::service::{Config, Service};
 use tokio::net::TcpListener;
@@ -47,6 +48,10 @@ pub struct Serve {
     /// Origin whose pages may use the service, such as https://example.org; may be given several times
     #[arg(long, value_name = "ORIGIN", env = "RUNSET_ALLOW_ORIGIN", value_delimiter = ',', value_parser = origin)]
     allow_origin: Vec<String>,
+
+    /// Printer that jobs may be printed on, such as ipp://printer.local/ipp/print; may be given several times. The service talks to no other
+    #[arg(long, value_name = "URI", env = "RUNSET_PRINTER", value_delimiter = ',', value_parser = Address::parse)]
+    printer: Vec<Address>,
 
     #[command(flatten)]
     fonts: FontOptions,
@@ -130,6 +135,18 @@ struct Bounds {
     /// Jobs that nobody used for so long are forgotten, in seconds
     #[arg(long, value_name = "S", default_value = "604800", env = "RUNSET_KEEP", value_parser = seconds)]
     keep: Duration,
+    /// Jobs being printed at the same time
+    #[arg(long, value_name = "N", default_value_t = 16, env = "RUNSET_MAX_PRINTS", value_parser = whole(1..=1_000_000))]
+    max_prints: u32,
+    /// Time for which a printer that is busy or does not answer is asked again, in seconds
+    #[arg(long, value_name = "S", default_value = "3600", env = "RUNSET_PRINT_WAIT", value_parser = seconds)]
+    print_wait: Duration,
+    /// Time for which a job is followed that its printer has, in seconds
+    #[arg(long, value_name = "S", default_value = "86400", env = "RUNSET_PRINT_FOLLOW", value_parser = seconds)]
+    print_follow: Duration,
+    /// Bytes of a document that is put into a file first, for printers that take no other
+    #[arg(long, value_name = "BYTES", default_value = "16G", env = "RUNSET_MAX_SPOOL", value_parser = bytes)]
+    max_spool: u64,
     /// Time for the head of a request, in seconds
     #[arg(long, value_name = "S", default_value = "10", env = "RUNSET_HEAD_TIMEOUT", value_parser = seconds)]
     head_timeout: Duration,
@@ -186,6 +203,7 @@ impl Serve {
             token: self.token.clone(),
             local_only: loopback,
             origins: self.allow_origin.clone(),
+            printers: self.printer.clone(),
             fonts: self.fonts.load(&self.limit)?,
             limits,
             max_pixels: bounds.max_pixels,
@@ -203,6 +221,10 @@ impl Serve {
             max_jobs: bounds.max_jobs as usize,
             keep: bounds.keep,
             max_store: bounds.max_store,
+            max_prints: bounds.max_prints as usize,
+            print_wait: bounds.print_wait,
+            print_follow: bounds.print_follow,
+            max_spool: bounds.max_spool,
             head_timeout: bounds.head_timeout,
             body_timeout: bounds.body_timeout,
             idle_timeout: bounds.idle_timeout,

@@ -23,6 +23,15 @@ pub enum Size {
         /// Height in pixels.
         height: Option<u32>,
     },
+    /// A sheet with the drawing at a place of it.
+    Placed {
+        /// Width of the sheet in pixels.
+        width: u32,
+        /// Height of the sheet in pixels.
+        height: u32,
+        /// From user units to pixels.
+        placement: Placement,
+    },
 }
 
 /// A page and where the drawing lies on it.
@@ -58,6 +67,7 @@ impl Size {
                 let offset = [(f64::from(w) - width * scale) / 2.0, (f64::from(h) - height * scale) / 2.0];
                 Page { width: w, height: h, placement: Placement { scale, offset } }
             }
+            Size::Placed { width, height, placement } => Page { width, height, placement },
         };
         if page.width == 0 || page.height == 0 {
             return Err(Error::parameter("a page has at least one pixel: give a larger width or height"));

@@ -47,6 +47,12 @@ pub struct Shared<T> {
     _cell: Cell<T>,
 }
 
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Shared<T> {
+        Shared { thing: self.thing.clone(), fresh: self.fresh, _cell: self._cell.clone() }
+    }
+}
+
 impl<T> Default for Cache<T> {
     fn default() -> Cache<T> {
         Cache { known: Mutex::new(Known { slots: HashMap::new(), now: 0 }) }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::input::Fonts;
+use crate::print::Address;
 use crate::scene::Limits;
 
 /// Settings of a service.
@@ -18,6 +19,8 @@ pub struct Config {
     pub local_only: bool,
     /// Origins, besides its own, whose pages may use the service (CORS).
     pub origins: Vec<String>,
+    /// Printers that the service prints on; it talks to no others.
+    pub printers: Vec<Address>,
     /// Fonts for text.
     pub fonts: Fonts,
     /// Limits of what a document holds. `input` bounds a body too, before and after decompression.
@@ -52,6 +55,14 @@ pub struct Config {
     pub keep: Duration,
     /// Bytes of the documents of all jobs; the oldest that are done go first.
     pub max_store: u64,
+    /// Jobs that are being printed at the same time.
+    pub max_prints: usize,
+    /// How long a printer that is busy or does not answer is asked again.
+    pub print_wait: Duration,
+    /// How long a job is followed that its printer has.
+    pub print_follow: Duration,
+    /// Bytes of a document that is put into a file before it is sent, for printers that take no other.
+    pub max_spool: u64,
     /// Time for the head of a request.
     pub head_timeout: Duration,
     /// Time in which a body has to make progress.
@@ -73,6 +84,7 @@ impl Config {
             token: None,
             local_only: true,
             origins: Vec::new(),
+            printers: Vec::new(),
             fonts: Fonts::default(),
             max_pixels: 1 << 40,
             max_render: Duration::from_secs(3600),
@@ -89,6 +101,10 @@ impl Config {
             max_jobs: 10_000,
             keep: Duration::from_secs(7 * 24 * 3600),
             max_store: 4 << 30,
+            max_prints: 16,
+            print_wait: Duration::from_secs(3600),
+            print_follow: Duration::from_secs(24 * 3600),
+            max_spool: 16 << 30,
             head_timeout: Duration::from_secs(10),
             body_timeout: Duration::from_secs(30),
             idle_timeout: Duration::from_secs(60),

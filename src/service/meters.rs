@@ -36,6 +36,7 @@ fn handle() -> &'static PrometheusHandle {
         describe_counter!("runset_requests_total", "Requests by status");
         describe_counter!("runset_renders_total", "Rasters that were begun, by kind and format");
         describe_counter!("runset_ends_total", "Rasters that ended: complete, left, stalled, failed, limit, shutdown");
+        describe_counter!("runset_prints_total", "Prints that ended: printed, failed");
         describe_counter!("runset_lines_total", "Scanlines handed to readers");
         describe_counter!("runset_bytes_total", "Bytes of rasters handed to readers");
         describe_counter!("runset_refusals_total", "Requests refused, by limit");
@@ -75,6 +76,11 @@ pub fn delivered(lines: u32, bytes: u64) {
 /// A raster ended.
 pub fn end(how: &'static str) {
     counter!("runset_ends_total", "end" => how).increment(1);
+}
+
+/// A print ended.
+pub fn printed(how: &'static str) {
+    counter!("runset_prints_total", "end" => how).increment(1);
 }
 
 /// Something was refused for a limit.

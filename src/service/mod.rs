@@ -10,6 +10,7 @@
 //!   fill        POST /v1/fill                      solid        POST /v1/solid
 //!   models      kept to be seen from anywhere      views        what is seen of them
 //!   jobs        stored, resumable at any byte
+//!   printing    jobs on printers
 //!   inspect     names of a drawing, how its lines come about
 //!   page        what a browser shows at /
 //!   about       health, metrics, OpenAPI
@@ -36,6 +37,8 @@ mod meters;
 mod models;
 mod page;
 mod params;
+#[allow(unused_qualifications, reason = "the macro that describes handlers writes them")]
+mod printing;
 mod problem;
 mod raster;
 mod rest;
@@ -82,6 +85,8 @@ pub struct Service {
     bands: Arc<Semaphore>,
     /// Places for event streams.
     events: Arc<Semaphore>,
+    /// Places for prints under way.
+    prints: Arc<Semaphore>,
     /// Cancelled when the service is asked to end.
     ending: CancellationToken,
 }
@@ -104,6 +109,7 @@ impl Service {
             streams: Arc::new(Semaphore::new(config.max_streams)),
             bands: Arc::new(Semaphore::new(config.max_bands)),
             events: Arc::new(Semaphore::new(config.max_events)),
+            prints: Arc::new(Semaphore::new(config.max_prints)),
             ending: CancellationToken::new(),
             config,
         })
@@ -134,6 +140,8 @@ pub fn app(service: &Service) -> Router {
         .routes(routes!(jobs::show, jobs::delete))
         .routes(routes!(jobs::raster::read, jobs::raster::head))
         .routes(routes!(jobs::events::events))
+        .routes(routes!(printing::printers))
+        .routes(routes!(printing::print, printing::show, printing::cancel))
         .routes(routes!(about::healthz))
         .routes(routes!(about::readyz))
         .routes(routes!(about::metrics))

@@ -20,7 +20,7 @@ use tokio_util::task::TaskTracker;
 use tower::ServiceExt;
 
 use super::connection::{self, Connection, Socket, Why};
-use super::{Service, app, jobs, meters};
+use super::{Service, app, jobs, meters, printing};
 
 /// Bytes that a connection may hold on their way out, besides the kernel's, and of a request's head.
 const BUFFER: usize = 64 << 10;
@@ -38,6 +38,7 @@ pub async fn run(listener: TcpListener, service: Service, shutdown: Cancellation
     let watcher = tokio::spawn(connection::watch(service.connections.clone(), service.config.clone()));
     let keeper = tokio::spawn(jobs::keep(service.clone()));
     let measurer = tokio::spawn(jobs::measure(service.clone()));
+    let printer = tokio::spawn(printing::resume(service.clone()));
     let room = Arc::new(Semaphore::new(service.config.max_connections));
     loop {
         // Past the limit new ones wait in the kernel's queue.
@@ -70,11 +71,13 @@ pub async fn run(listener: TcpListener, service: Service, shutdown: Cancellation
     drop(listener);
     service.ending.cancel();
     tasks.close();
-    if tokio::time::timeout(service.config.grace, tasks.wait()).await.is_err() {
+    let settled = async { tokio::join!(tasks.wait(), printing::settle(&service)) };
+    if tokio::time::timeout(service.config.grace, settled).await.is_err() {
         service.connections.end_all(Why::Shutdown);
         let _ = tokio::time::timeout(Duration::from_secs(5), tasks.wait()).await;
     }
     keeper.abort();
+    printer.abort();
     watcher.abort();
     // The measurer ends by itself, behind the portion at hand.
     let _ = tokio::time::timeout(Duration::from_secs(5), measurer).await;

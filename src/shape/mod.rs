@@ -153,6 +153,18 @@ impl Transform {
             }
         }
     }
+
+    /// This map, followed by a quarter turn, clockwise, of a page of that height: `(x, y)` goes to `(height - y, x)`.
+    #[must_use]
+    pub fn then_turn(&self, height: f64) -> Transform {
+        match *self {
+            Transform::Affine([a, b, c, d, e, f]) => Transform::Affine([-b, a, -d, c, height - f, e]),
+            Transform::Projective([a, b, c, d, e, f, g, h, i]) => {
+                let [x0, x1, x2] = [(g, d), (h, e), (i, f)].map(|(w, y)| height * w - y);
+                Transform::Projective([x0, x1, x2, a, b, c, g, h, i])
+            }
+        }
+    }
 }
 
 /// The line along a path, as SVG describes it. Lengths are in the path's units.

@@ -53,7 +53,7 @@ fn manual_pages_render_without_a_warning() {
     if !have("groff", "manual pages") {
         return;
     }
-    for args in ["man", "man fill", "man convert", "man info", "man formats", "man completions", "man man"] {
+    for args in ["man", "man fill", "man convert", "man print", "man printers", "man info", "man formats", "man completions", "man man"] {
         let page = folder.run(args).done().to_vec();
         let mut groff = folder.command("groff");
         groff.args(["-man", "-ww", "-Tascii", "-P-cbou"]).stdin(Stdio::piped());

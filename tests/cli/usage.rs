@@ -56,7 +56,7 @@ fn wrong_usage_is_one_line() {
         ),
         (
             "man frob",
-            "no subcommand 'frob'; the subcommands are fill, convert, solid, serve, info, formats, completions, man (see runset man --help)",
+            "no subcommand 'frob'; the subcommands are fill, convert, solid, print, printers, serve, info, formats, completions, man (see runset man --help)",
         ),
     ] {
         folder.run(args).refused(2, &format!("runset: {line}"));

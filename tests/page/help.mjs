@@ -1,7 +1,9 @@
 // What the tests of the page share: a service, a browser, rasters from the command line.
 
 import { spawn, execFileSync } from "node:child_process";
+import { once } from "node:events";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -15,9 +17,9 @@ const FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", 
   "--disable-component-update", "--disable-sync"];
 
 /** Starts a service on a free port; gives its address and what ends it. */
-export async function serve(env = {}) {
+export async function serve(env = {}, options = []) {
   const data = mkdtempSync(join(SCRATCH, "data-"));
-  const child = spawn(RUNSET, ["serve", "--addr", "127.0.0.1:0", "--data", data, "--log", "warn"], { env: { ...process.env, ...env }, stdio: ["ignore", "ignore", "pipe"] });
+  const child = spawn(RUNSET, ["serve", "--addr", "127.0.0.1:0", "--data", data, "--log", "warn", ...options], { env: { ...process.env, ...env }, stdio: ["ignore", "ignore", "pipe"] });
   let said = "";
   const address = await new Promise((found, failed) => {
     child.stderr.on("data", (text) => {
@@ -37,6 +39,37 @@ export async function serve(env = {}) {
     clearTimeout(impatient);
   };
   return { address, end };
+}
+
+/** Starts a virtual printer (`ippeveprinter`) that takes some seconds for a document; none where there is none. */
+export async function printer() {
+  try {
+    for (const tool of ["ippeveprinter", "dbus-daemon"]) execFileSync(tool, ["--version"], { stdio: "ignore" });
+  } catch {
+    if (process.env.CI === "true") throw new Error("must not be skipped here: printing: ippeveprinter or dbus-daemon is not installed");
+    console.log("skipped: printing: ippeveprinter or dbus-daemon is not installed");
+    return null;
+  }
+  const folder = mkdtempSync(join(SCRATCH, "printer-"));
+  // It wants a system bus, although it does not speak on it: it gets one of its own.
+  const bus = `unix:path=${folder}/bus`;
+  const daemon = spawn("dbus-daemon", ["--session", "--nofork", "--nopidfile", "--address", bus], { stdio: "ignore" });
+  writeFileSync(`${folder}/command`, "#!/bin/sh\nsleep 2\n", { mode: 0o755 });
+  const free = createServer().listen(0, "127.0.0.1");
+  await once(free, "listening");
+  const { port } = free.address();
+  free.close();
+  const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+  await pause(300);
+  const options = ["-n", "localhost", "-r", "off", "-d", folder, "-f", "image/png", "-p", String(port), "-c", `${folder}/command`, "virtual"];
+  const device = spawn("ippeveprinter", options, { stdio: "ignore", env: { ...process.env, DBUS_SYSTEM_BUS_ADDRESS: bus } });
+  const listens = () =>
+    new Promise((resolve) => {
+      const socket = connect(port, "127.0.0.1", () => (socket.destroy(), resolve(true)));
+      socket.on("error", () => resolve(false));
+    });
+  for (let i = 0; i < 100 && !(await listens()); i++) await pause(100);
+  return { uri: `ipp://127.0.0.1:${port}/ipp/print`, end: () => (device.kill(), daemon.kill()) };
 }
 
 export const browser = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });

@@ -8,7 +8,7 @@ import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import AxeBuilder from "./axe.mjs";
-import { ROOT, RUNSET, SCRATCH, browser as launch, canvas, clean, compare, drawn, memory, model, picture, raster, serve, tab } from "./help.mjs";
+import { ROOT, RUNSET, SCRATCH, browser as launch, canvas, clean, compare, drawn, memory, model, picture, printer, raster, serve, tab } from "./help.mjs";
 
 let service, browser;
 before(async () => {
@@ -313,6 +313,38 @@ test("a job is shown, also by its address; commands and downloads are the same r
   await page.locator(".job .delete").first().click();
   assert.deepEqual(wrong, []);
   await close();
+});
+
+test("a job is printed, and its print cancelled", async () => {
+  const device = await printer();
+  if (!device) return;
+  const own = await serve({}, ["--printer", device.uri]);
+  const { page, wrong, close } = await tab(browser, own.address, { hash: "#sample=poster.svg&dpi=300" });
+  await page.waitForFunction(() => document.querySelector("#canvas").dataset.done);
+  await page.click("#keep");
+  await page.waitForSelector(".job .printing:not([hidden])");
+  assert.equal(await page.locator(".job .printer option").count(), 1);
+  const state = (...names) => page.waitForFunction((names) => names.includes(document.querySelector(".job .printing")?.dataset.print), names, { timeout: 30_000 });
+  await page.locator(".job .print").click();
+  await state("sending", "printing");
+  assert.equal(await page.locator(".job .stop").isVisible(), true);
+  // Behind a reload it is there still.
+  await page.reload();
+  await state("printing", "printed");
+  await state("printed");
+  assert.match(await page.textContent(".job .told"), /^printed on 127\.0\.0\.1/);
+  await AxeBuilder(page, "a job that is printed");
+  await page.locator(".job .print").click();
+  await state("printing");
+  await page.locator(".job .stop").click();
+  await state("cancelled");
+  assert.match(await page.textContent(".job .told"), /cancelled/);
+  const { jobs } = await (await fetch(`${own.address}/v1/jobs`)).json();
+  assert.equal(jobs[0].print.state, "cancelled");
+  assert.deepEqual(wrong, []);
+  await close();
+  await own.end();
+  device.end();
 });
 
 test("a job of a model is shown in its colours", async () => {

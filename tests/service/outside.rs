@@ -66,6 +66,8 @@ fn the_description_is_valid() {
         "/v1/jobs/{id}",
         "/v1/jobs/{id}/raster",
         "/v1/jobs/{id}/events",
+        "/v1/jobs/{id}/print",
+        "/v1/printers",
         "/healthz",
         "/readyz",
         "/metrics",

@@ -12,6 +12,7 @@ use super::super::Service;
 use super::super::cache::{Key, Shared};
 use super::super::drawings::Drawing;
 use super::super::params::{Kind, Params};
+use super::super::printing::{Canceller, Print, Stored};
 use super::super::problem::Problem;
 use super::super::raster::Follow;
 use super::store::Row;
@@ -79,6 +80,26 @@ pub struct View {
     pub(super) warnings: Vec<String>,
     /// The states that it was in, the last few of them.
     pub(super) history: Vec<Change>,
+    /// Its last print.
+    #[serde(default)]
+    pub(super) print: Option<Print>,
+}
+
+impl View {
+    /// How it is.
+    pub fn state(&self) -> Phase {
+        self.state
+    }
+
+    /// What is made of its document.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Its last print.
+    pub fn print(&self) -> Option<&Print> {
+        self.print.as_ref()
+    }
 }
 
 /// States that are remembered.
@@ -99,20 +120,24 @@ pub(super) struct Record {
     pub(super) idempotency_key: Option<String>,
     /// When it was made or read last.
     pub(super) used: Timestamp,
+    /// What its print needs to go on.
+    #[serde(default)]
+    pub(super) errand: Option<Stored>,
 }
 
 /// A job.
 pub struct Live {
-    pub(super) id: String,
-    pub(super) key: Key,
-    pub(super) params: Params,
+    pub(in super::super) id: String,
+    pub(in super::super) key: Key,
+    pub(in super::super) params: Params,
     pub(super) format: &'static Format,
     pub(super) size: u64,
     pub(super) tag: String,
     pub(super) idempotency_key: Option<String>,
     pub(super) now: Mutex<Now>,
     pub(super) readers: AtomicUsize,
-    pub(super) deleted: AtomicBool,
+    pub(in super::super) deleted: AtomicBool,
+    pub(in super::super) canceller: Canceller,
     /// Whether the store knows less.
     pub(super) dirty: AtomicBool,
     /// Counts changes, for those who follow.
@@ -120,15 +145,23 @@ pub struct Live {
 }
 
 /// What changes of a job.
-pub(super) struct Now {
+pub(in super::super) struct Now {
     pub(super) view: View,
     pub(super) trail: Trail,
     pub(super) used: Timestamp,
+    pub(in super::super) errand: Option<Stored>,
+}
+
+impl Now {
+    /// Changes its print.
+    pub(in super::super) fn print(&mut self, how: impl FnOnce(&mut Print)) {
+        self.view.print.as_mut().map(how);
+    }
 }
 
 impl Live {
     pub(super) fn new(record: Record, format: &'static Format, trail: Trail) -> Live {
-        let Record { view, params, key, size, tag, idempotency_key, used } = record;
+        let Record { view, params, key, size, tag, idempotency_key, used, errand } = record;
         Live {
             id: view.id.clone(),
             key,
@@ -137,9 +170,10 @@ impl Live {
             size,
             tag,
             idempotency_key,
-            now: Mutex::new(Now { view, trail, used }),
+            now: Mutex::new(Now { view, trail, used, errand }),
             readers: AtomicUsize::new(0),
             deleted: AtomicBool::new(false),
+            canceller: Canceller::default(),
             dirty: AtomicBool::new(false),
             changes: watch::Sender::new(()),
         }
@@ -164,16 +198,48 @@ impl Live {
             tag: self.tag.clone(),
             idempotency_key: self.idempotency_key.clone(),
             used: now.used,
+            errand: now.errand.clone(),
         };
         let record = serde_json::to_string(&record).expect("numbers and strings under fixed names are JSON");
         Row { id: self.id.clone(), record, trail: now.trail.to_bytes() }
     }
 
     /// Changes it, and tells those who follow.
-    pub(super) fn change(&self, how: impl FnOnce(&mut Now)) {
+    pub(in super::super) fn change(&self, how: impl FnOnce(&mut Now)) {
         how(&mut self.now());
         self.dirty.store(true, Ordering::Release);
         self.changes.send_replace(());
+    }
+
+    /// Begins a print, unless there is one under way.
+    pub fn begin_print(&self, print: Print, errand: Stored) -> bool {
+        let mut now = self.now();
+        if now.errand.is_some() {
+            return false;
+        }
+        now.used = Timestamp::now();
+        (now.view.print, now.errand) = (Some(print), Some(errand));
+        drop(now);
+        self.change(|_| {});
+        true
+    }
+
+    /// A print has ended.
+    pub fn end_print(&self, how: impl FnOnce(&mut Print)) {
+        self.change(|now| {
+            now.errand = None;
+            now.used = Timestamp::now();
+            now.print(how);
+        });
+    }
+
+    /// Forgets a print that has ended.
+    pub fn forget_print(&self) {
+        self.change(|now| {
+            if now.errand.is_none() {
+                now.view.print = None;
+            }
+        });
     }
 
     pub(super) fn enter(now: &mut Now, state: Phase) {

@@ -36,12 +36,15 @@ use utoipa::{IntoParams, ToSchema};
 
 pub use self::measure::measure;
 
-use self::live::{Change, Live, Phase, Record, View};
+pub use self::live::{Live, Phase};
+
+use self::live::{Change, Record, View};
 use self::store::{Row, Store};
 use self::trail::Trail;
 use super::cache::Key;
 use super::config::Config;
 use super::params::{self, FillParams, Kind, Params, SolidParams};
+use super::printing::Stored;
 use super::problem::{Details, Problem};
 use super::{Service, answer, meters};
 use crate::encode;
@@ -107,7 +110,7 @@ impl Jobs {
     }
 
     /// The job of an id.
-    fn find(&self, id: &str) -> Result<Arc<Live>, Problem> {
+    pub(super) fn find(&self, id: &str) -> Result<Arc<Live>, Problem> {
         self.all.read().unwrap_or_else(PoisonError::into_inner).get(id).cloned().ok_or_else(Problem::no_job)
     }
 
@@ -149,6 +152,7 @@ impl Jobs {
         all.remove(&live.id);
         meters::level("runset_jobs", all.len());
         live.deleted.store(true, Ordering::Relaxed);
+        live.canceller.cancel();
         drop(all);
         live.change(|now| Live::enter(now, Phase::Cancelled));
         Ok(())
@@ -170,7 +174,7 @@ impl Jobs {
     /// Forgets jobs past their age, and the oldest that are done where all are too many or too large with another of `room` bytes.
     fn clean(&self, config: &Config, room: u64) -> Result<(), Problem> {
         let mut lives = self.lives();
-        let idle = |live: &Live| live.readers.load(Ordering::Acquire) == 0;
+        let idle = |live: &Live| live.readers.load(Ordering::Acquire) == 0 && live.now().errand.is_none();
         let old = Timestamp::now() - jiff::SignedDuration::try_from(config.keep).unwrap_or(jiff::SignedDuration::MAX / 4);
         let forget = |live: &Live, why: &str| match self.forget(live) {
             Ok(()) => {
@@ -200,6 +204,26 @@ impl Jobs {
             return Err(Problem::new(StatusCode::INSUFFICIENT_STORAGE, "store-full", what));
         }
         Ok(())
+    }
+
+    /// Where the document of a job is.
+    pub fn document(&self, id: &str) -> std::path::PathBuf {
+        self.store.document(id)
+    }
+
+    /// The jobs whose print is under way, and what it needs to go on.
+    pub fn printing(&self) -> Vec<(Arc<Live>, Stored)> {
+        self.lives().into_iter().filter_map(|live| live.now().errand.clone().map(|errand| (live.clone(), errand))).collect()
+    }
+
+    /// Stores what is known of a job now, before anything else is done with it.
+    ///
+    /// # Errors
+    /// It could not be stored.
+    pub async fn store_now(self: &Arc<Jobs>, live: &Arc<Live>) -> Result<(), Problem> {
+        let (jobs, row) = (self.clone(), live.row());
+        let stored = tokio::task::spawn_blocking(move || jobs.store.save(&[row])).await;
+        stored.map_err(Problem::internal)?.map_err(|error| Problem::storing(&error))
     }
 
     /// Whether the store can be written.
@@ -336,9 +360,10 @@ pub async fn create(
         error: None,
         warnings: shared.thing.warnings.iter().map(answer::said).collect(),
         history: vec![Change { state: Phase::Ready, at: now }],
+        print: None,
     };
     let tag = answer::tag(&key, &service.config.fonts, format);
-    let record = Record { view, params, key, size: document.bytes.len() as u64, tag, idempotency_key, used: now };
+    let record = Record { view, params, key, size: document.bytes.len() as u64, tag, idempotency_key, used: now, errand: None };
     let accepted = tokio::task::spawn_blocking(move || {
         service.jobs.accept(&service.config, Live::new(record, format, Trail::default()), &document.bytes)
     });
