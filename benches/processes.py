@@ -132,7 +132,7 @@ def table(title, commands, runs, against, compared, aims):
     if first in stopped or against in stopped or against not in medians:
         return print()
     print()
-    times = [theirs / ours for theirs, ours in zip(medians[against], medians[first])]
+    times = [theirs / ours for theirs, ours in zip(medians[against][:3], medians[first][:3])]
     for what, aim, measured in zip(["wall time", "CPU time", "memory"], aims, times):
         if aim:
             print(f"* {what}: {aim} times less than {against} is aimed at, {measured:.1f} measured: {'reached' if measured >= aim else 'missed'}")
