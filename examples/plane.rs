@@ -4,7 +4,8 @@
 //! cargo run --release --example plane -- OUTDIR [NAME ...]
 //! ```
 //!
-//! Without names it writes all of them, some 270 MB; `map` is a drawing in many inks and an SVG only, `sheet` an SVG and a PDF.
+//! Without names it writes all of them, some 270 MB; `map` is a drawing in many inks and an SVG only, `sheet` and `sheet-curves`
+//! are SVGs and PDFs.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -25,7 +26,7 @@ mod sheet;
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().context("usage: plane OUTDIR [NAME ...]")?;
-    let (others, names): (Vec<String>, Vec<String>) = arguments.partition(|name| ["map", "sheet"].contains(&&**name));
+    let (others, names): (Vec<String>, Vec<String>) = arguments.partition(|name| ["map", "sheet", "sheet-curves"].contains(&&**name));
     let all = names.is_empty() && others.is_empty();
     let workloads = if names.is_empty() && !all { Vec::new() } else { shapes::named(&names).map_err(anyhow::Error::msg)? };
     let folder = Path::new(&folder);
@@ -37,12 +38,15 @@ fn main() -> Result<()> {
         write(&folder.join(format!("{name}.pdf")), |out| pdf::write(&shapes, out))?;
         eprintln!("{name}: {} vertices", shapes.vertices());
     }
-    if all || others.iter().any(|name| name == "map") {
+    let wanted = |name: &str| all || others.iter().any(|other| other == name);
+    if wanted("map") {
         write(&folder.join("map.svg"), map::write_svg)?;
     }
-    if all || others.iter().any(|name| name == "sheet") {
-        write(&folder.join("sheet.svg"), sheet::write_svg)?;
-        write(&folder.join("sheet.pdf"), sheet::write_pdf)?;
+    for (name, curved) in [("sheet", false), ("sheet-curves", true)] {
+        if wanted(name) {
+            write(&folder.join(format!("{name}.svg")), |out| sheet::write_svg(curved, out))?;
+            write(&folder.join(format!("{name}.pdf")), |out| sheet::write_pdf(curved, out))?;
+        }
     }
     Ok(())
 }

@@ -280,7 +280,7 @@ mod tests {
                     let at = at as usize * width / 1000;
                     let near = (at..width).find(|&x| x > 0 && row[x] != row[x - 1]);
                     let range = match near {
-                        Some(x) if at % 3 > 0 => (x as i32 + beside.min(0)).max(0) as usize..(x as i32 + beside.max(0)) as usize,
+                        Some(x) if !at.is_multiple_of(3) => (x as i32 + beside.min(0)).max(0) as usize..(x as i32 + beside.max(0)) as usize,
                         _ => at..at + (beside.unsigned_abs() as usize + 1) * width / 9,
                     };
                     row[range.start.min(width)..range.end.min(width)].iter_mut().for_each(|pixel| *pixel = !*pixel);
