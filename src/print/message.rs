@@ -253,24 +253,35 @@ fn malformed(what: impl Into<String>) -> Failure {
     Failure::new(Why::Malformed, format!("the printer's answer is no IPP: {}", what.into()))
 }
 
+/// The first so many bytes, as the two before them say, and what follows.
+fn counted(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    rest.split_at_checked(usize::from(u16::from_be_bytes(*length)))
+}
+
 /// Whether an answer has the form of one, within the limits: a head of 8 bytes, groups of attributes, an end.
 fn look_through(bytes: &[u8]) -> Result<(), String> {
     let broken = |at: usize| format!("it breaks off at byte {at}");
-    let mut at = 8;
+    let mut rest = bytes.get(8..).ok_or_else(|| broken(bytes.len()))?;
     let (mut depth, mut values) = (0_usize, 0);
     loop {
-        let tag = *bytes.get(at).ok_or_else(|| broken(bytes.len()))?;
-        at += 1;
+        let (tag, behind) = rest.split_first().ok_or_else(|| broken(bytes.len()))?;
+        let at = bytes.len() - rest.len();
+        rest = behind;
         match tag {
             0x03 if depth == 0 => return Ok(()),
             0x01..=0x0a if depth == 0 => continue,
             0x10..=0x4a => {}
-            _ => return Err(format!("byte {} is {tag:#04x}", at - 1)),
+            _ => return Err(format!("byte {at} is {tag:#04x}")),
         }
         // A name and a value, each behind its length.
+        let mut part: &[u8] = &[];
         for _ in 0..2 {
-            let length = bytes.get(at..at + 2).ok_or_else(|| broken(bytes.len()))?;
-            at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
+            (part, rest) = counted(rest).ok_or_else(|| broken(bytes.len()))?;
+        }
+        // A language and a text, each behind its length: the parser takes that for granted.
+        if matches!(tag, 0x35 | 0x36) && counted(part).and_then(|(_, text)| counted(text)).is_none() {
+            return Err(format!("a text with its language is cut short before byte {}", bytes.len() - rest.len()));
         }
         values += 1;
         match tag {
@@ -362,6 +373,16 @@ mod tests {
         many.extend([0x44, 0, 1, b'a', 0, 0].repeat(MOST_VALUES + 1));
         many.push(3);
         assert!(Answer::read(many.into()).unwrap_err().what.contains("200000 values"));
+    }
+
+    #[test]
+    fn a_text_that_is_shorter_than_it_says_is_refused() {
+        for value in [&[0xff, 0xff, b'e'][..], &[0], &[], &[0, 2, b'e', b'n', 0, 9, b'x']] {
+            let mut bytes = vec![1, 1, 0, 0, 0, 0, 0, 1, 0x04, 0x35, 0, 1, b'a', 0, value.len() as u8];
+            bytes.extend(value);
+            bytes.push(3);
+            assert!(Answer::read(bytes.into()).unwrap_err().what.contains("cut short"));
+        }
     }
 
     proptest! {

@@ -229,11 +229,11 @@ mod tests {
             let options = compose(&mut scene, expr, bleed, &sheet, &Limits::default(), &mut Vec::new()).unwrap();
             picture(scene, &options)
         };
-        assert_eq!(drawn(None, 0.0, false), "........\n.####...\n.##.....\n........\n........\n........\n........\n........\n");
+        assert_eq!(drawn(None, 0.0, false), "........\n.####...\n.#......\n........\n........\n........\n........\n........\n");
         // A unit of bleed: the corner's left, and no bar, which is two units away.
-        assert_eq!(drawn(None, INCH / 96.0, false), "........\n#####...\n###.....\n#.......\n........\n........\n........\n........\n");
-        assert_eq!(drawn(Some("!a"), 0.0, false), "........\n.....##.\n...####.\n.######.\n.######.\n........\n........\n........\n");
-        // A quarter, clockwise: the top is at the right.
+        assert_eq!(drawn(None, INCH / 96.0, false), "........\n#####...\n##......\n........\n........\n........\n........\n........\n");
+        assert_eq!(drawn(Some("!a"), 0.0, false), "........\n.....##.\n..#####.\n.######.\n.######.\n........\n........\n........\n");
+        // A quarter, clockwise: the top is at the right. The centre that lies on the slanted side was on a right boundary, and is on a left one now.
         assert_eq!(drawn(None, 0.0, true), "......\n...##.\n...##.\n....#.\n....#.\n......\n......\n......\n");
     }
 
