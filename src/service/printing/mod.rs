@@ -232,6 +232,7 @@ pub async fn printers(State(service): State<Service>) -> Json<Printers> {
 #[utoipa::path(
     post,
     path = "/v1/jobs/{id}/print",
+    operation_id = "print_job",
     tag = "printing",
     params(("id" = String, Path, description = "The job's id")),
     request_body(description = "Where and how", content((PrintRequest = "application/json"))),
@@ -308,6 +309,7 @@ fn print_of(live: &Live) -> Result<Print, Problem> {
 #[utoipa::path(
     get,
     path = "/v1/jobs/{id}/print",
+    operation_id = "show_print",
     tag = "printing",
     params(("id" = String, Path, description = "The job's id")),
     responses(
@@ -325,6 +327,7 @@ pub async fn show(State(service): State<Service>, Id(id): Id) -> Result<Json<Pri
 #[utoipa::path(
     delete,
     path = "/v1/jobs/{id}/print",
+    operation_id = "cancel_print",
     tag = "printing",
     params(("id" = String, Path, description = "The job's id")),
     responses(
