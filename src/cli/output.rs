@@ -34,7 +34,7 @@ pub struct Target {
     #[arg(long, value_name = "FORMAT", value_parser = values::format())]
     format: Option<Content>,
 
-    /// Compression, in a format that has several [default: what suits the picture]
+    /// Compression, in a format that has several [default: what suits the picture; of a TIFF g4 for black alone, else deflate]
     #[arg(long, value_name = "HOW", value_parser = values::compression())]
     compression: Option<String>,
 }
