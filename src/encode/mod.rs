@@ -174,6 +174,7 @@ pub trait Encode: Send {
 
 mod adler;
 mod changes;
+mod coded;
 mod deflate;
 mod groups;
 mod literals;
