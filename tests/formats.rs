@@ -217,7 +217,7 @@ fn png_can_be_written_and_read_from_any_segment() {
 #[test]
 fn formats_are_found_by_name_and_extension() {
     let names: Vec<_> = FORMATS.iter().map(|f| f.name).collect();
-    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "pwg", "urf", "ndjson", "rls"]);
+    assert_eq!(names, ["pbm", "pgm", "ppm", "png", "pwg", "urf", "pcl", "pclm", "ndjson", "rls"]);
     assert_eq!(by_extension("PNG").map(|f| f.name), Some("png"));
     assert_eq!(by_extension("jsonl").map(|f| f.name), Some("ndjson"));
     assert!(by_name("gif").is_none() && by_extension("").is_none());

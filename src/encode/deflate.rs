@@ -61,12 +61,43 @@ pub struct Block {
     counts: [u32; SYMBOLS],
     /// The byte at the end, and how often it stands there: not among the symbols yet, as more may follow.
     last: (u8, usize),
+    /// The same of pixels of three bytes; a block is one or the other.
+    last_pixel: ([u8; 3], usize),
+    /// How far back matches lie: 1, or 3 in a block of pixels.
+    distance: usize,
 }
 
 impl Block {
     /// Nothing yet.
     pub fn new() -> Block {
-        Block { symbols: Vec::new(), counts: [0; SYMBOLS], last: (0, 0) }
+        Block { symbols: Vec::new(), counts: [0; SYMBOLS], last: (0, 0), last_pixel: ([0; 3], 0), distance: 1 }
+    }
+
+    /// Nothing yet, of pixels of three bytes.
+    pub fn of_pixels() -> Block {
+        Block { distance: 3, ..Block::new() }
+    }
+
+    /// Takes `n` times the same pixel, in a block of pixels. How equal ones were divided among calls makes no difference.
+    pub fn push_pixels(&mut self, pixel: [u8; 3], n: usize) {
+        debug_assert_eq!(self.distance, 3, "a block of pixels");
+        if n > 0 && self.last_pixel.0 != pixel {
+            self.end_pixels();
+            self.last_pixel.0 = pixel;
+        }
+        self.last_pixel.1 += n;
+    }
+
+    /// Makes symbols of the equal pixels at the end: the first as it is, the others as matches.
+    fn end_pixels(&mut self) {
+        let (pixel, n) = std::mem::take(&mut self.last_pixel);
+        if n > 0 {
+            for byte in pixel {
+                self.symbols.push(u32::from(byte) | 1 << 16);
+                self.counts[byte as usize] += 1;
+            }
+            self.matching(3 * (n - 1));
+        }
     }
 
     /// Takes the next bytes.
@@ -97,7 +128,12 @@ impl Block {
             self.symbols.push(u32::from(byte) | 1 << 16);
         }
         self.counts[byte as usize] += literals as u32;
-        let (mut longest, mut last) = ((n - literals) / LONGEST, (n - literals) % LONGEST);
+        self.matching(n - literals);
+    }
+
+    /// Makes symbols of so many bytes that are as those before them: none, or three and more.
+    fn matching(&mut self, n: usize) {
+        let (mut longest, mut last) = (n / LONGEST, n % LONGEST);
         if (1..SHORTEST).contains(&last) && longest > 0 {
             // Too short to stand alone: the match before gives it three.
             longest -= 1;
@@ -122,12 +158,13 @@ impl Block {
     /// Writes the block, not as the last of its stream, up to the end of a byte, and begins a new one.
     pub fn end(&mut self, out: &mut Vec<u8>) {
         self.end_run();
+        self.end_pixels();
         self.counts[END] = 1;
         let code = Code::new(&self.counts, 15);
         let mut bits = Bits { out, held: 0, n: 0 };
         bits.put(0b10 << 1, 3);
-        code.describe(&mut bits);
-        // A match is its symbol, its further bits, and distance 1: one bit, 0.
+        code.describe(self.distance, &mut bits);
+        // A match is its symbol, its further bits, and the distance, of which there is one: one bit, 0.
         let lengths = LENGTHS.map(|(symbol, extra, value)| {
             let (bits, n) = code.of[symbol as usize];
             (bits | u32::from(value) << n, n + u32::from(extra) + 1)
@@ -233,12 +270,12 @@ impl Code {
         Code { of }
     }
 
-    /// Writes the code of literals and lengths, and that of distances, which has one symbol.
-    fn describe(&self, bits: &mut Bits<'_>) {
+    /// Writes the code of literals and lengths, and that of distances, which has one symbol: those below 5 are their own, counted from 0.
+    fn describe(&self, distance: usize, bits: &mut Bits<'_>) {
         /// The order in which the lengths of the lengths' code are written.
         const ORDER: [usize; 19] = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
         let used = self.of.iter().rposition(|of| of.1 > 0).map_or(257, |last| (last + 1).max(257));
-        let lengths: Vec<u32> = self.of[..used].iter().map(|of| of.1).chain([1]).collect();
+        let lengths: Vec<u32> = self.of[..used].iter().map(|of| of.1).chain(std::iter::repeat_n(0, distance - 1)).chain([1]).collect();
         // Symbol, further bits, how many.
         let mut symbols: Vec<(usize, u32, u32)> = Vec::new();
         let mut rest = &lengths[..];
@@ -270,7 +307,7 @@ impl Code {
         let code = Code::new(&counts, 7);
         let written = ORDER.iter().rposition(|i| code.of[*i].1 > 0).map_or(4, |last| (last + 1).max(4));
         bits.put(used as u32 - 257, 5);
-        bits.put(0, 5);
+        bits.put(distance as u32 - 1, 5);
         bits.put(written as u32 - 4, 4);
         ORDER[..written].iter().for_each(|i| bits.put(code.of[*i].1, 3));
         for (symbol, further, n) in symbols {
@@ -326,6 +363,25 @@ mod tests {
             let blocks: Vec<Vec<u8>> =
                 blocks.iter().map(|runs| runs.iter().flat_map(|&(byte, n)| std::iter::repeat_n(byte, n)).collect()).collect();
             prop_assert_eq!(inflated(&blocks), blocks.concat());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn zlib_reads_pixels(blocks in prop::collection::vec(prop::collection::vec((any::<[u8; 3]>(), 0..3u8, 0..400usize), 0..100), 0..4)) {
+            let (mut out, mut block, mut expected) = (Vec::new(), Block::of_pixels(), Vec::new());
+            for runs in blocks {
+                for (pixel, few, n) in runs {
+                    let pixel = if few > 0 { [few; 3] } else { pixel };
+                    block.push_pixels(pixel, n);
+                    expected.extend(std::iter::repeat_n(pixel, n).flatten());
+                }
+                block.end(&mut out);
+            }
+            out.extend(LAST);
+            let mut bytes = Vec::new();
+            flate2::read::DeflateDecoder::new(&out[..]).read_to_end(&mut bytes).expect("zlib reads it");
+            prop_assert_eq!(bytes, expected);
         }
     }
 

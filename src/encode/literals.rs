@@ -1,34 +1,74 @@
-//! Rows as repeats and literals, of pixels of one or three bytes or of bytes of eight pixels: what PWG raster and Apple raster share.
+//! Rows as repeats and literals, of pixels of one or three bytes or of bytes of eight pixels: what PWG raster, Apple raster and PCL share.
 //!
 //! ```text
-//!   a a a a b c c d        3 a   254 b c c   0 d ...
-//!   count                  n < 128: the next unit n + 1 times      n > 128: 257 - n units as they are
+//!   a a a a b c c d        3 a   253 b c c d
+//!   count (PWG raster)     n < 128: the next unit n + 1 times      n > 128: 257 - n units as they are
 //! ```
+//!
+//! PCL counts the other way round, as TIFF's PackBits do.
 //!
 //! Rows are made of runs, and a run is one unit and a number, so what a row costs follows its runs and not its pixels. Which units become
 //! literals follows from the units alone: those that come once, and bytes that come twice behind a literal, where a repeat would not be
 //! shorter.
 //!
-//! Source: PWG 5102.4, section 4.3.
+//! Source: PWG 5102.4, section 4.3; TIFF 6.0, section 9.
+
+use std::marker::PhantomData;
 
 use crate::run::Run;
 
 /// Most units behind a count.
 const MOST: usize = 128;
 
+/// How many units follow, in a byte. One unit alone is counted as a literal, in a byte that says the same as a repeat would.
+pub trait Count {
+    /// Of so many equal ones.
+    fn repeat(n: usize) -> u8;
+    /// Of so many as they are.
+    fn literals(n: usize) -> u8;
+}
+
+/// The counts of PWG raster and Apple raster.
+pub struct Pwg;
+
+impl Count for Pwg {
+    fn repeat(n: usize) -> u8 {
+        (n - 1) as u8
+    }
+
+    /// A single one is 257 - 1, which is 0 in a byte.
+    fn literals(n: usize) -> u8 {
+        (257 - n) as u8
+    }
+}
+
+/// Those of PCL.
+pub struct PackBits;
+
+impl Count for PackBits {
+    fn repeat(n: usize) -> u8 {
+        Pwg::literals(n)
+    }
+
+    fn literals(n: usize) -> u8 {
+        Pwg::repeat(n)
+    }
+}
+
 /// A row of units of `N` bytes on its way out.
-pub struct Literals<'o, const N: usize> {
+pub struct Literals<'o, const N: usize, C> {
     out: &'o mut Vec<u8>,
     /// The unit at the end, and how often it stands there: not among `out` yet, as more may follow.
     last: ([u8; N], usize),
     /// Where the count of the literals at the end of `out` stands, and how many there are.
     open: (usize, usize),
+    counts: PhantomData<C>,
 }
 
-impl<'o, const N: usize> Literals<'o, N> {
+impl<'o, const N: usize, C: Count> Literals<'o, N, C> {
     /// An empty row.
-    pub fn new(out: &'o mut Vec<u8>) -> Literals<'o, N> {
-        Literals { out, last: ([0; N], 0), open: (0, 0) }
+    pub fn new(out: &'o mut Vec<u8>) -> Literals<'o, N, C> {
+        Literals { out, last: ([0; N], 0), open: (0, 0), counts: PhantomData }
     }
 
     /// Takes `n` times the same unit. How equal ones were divided among calls makes no difference.
@@ -75,7 +115,7 @@ impl<'o, const N: usize> Literals<'o, N> {
 
     fn repeat(&mut self, unit: [u8; N], n: usize) {
         self.close();
-        self.out.push((n - 1) as u8);
+        self.out.push(C::repeat(n));
         self.out.extend_from_slice(&unit);
     }
 
@@ -91,17 +131,23 @@ impl<'o, const N: usize> Literals<'o, N> {
         self.open.1 += 1;
     }
 
-    /// Counts the open literals. A single one has the count of a repeat: 257 - 1 is 0 in a byte.
+    /// Counts the open literals.
     fn close(&mut self) {
         let (at, n) = std::mem::take(&mut self.open);
         if n > 0 {
-            self.out[at] = (257 - n) as u8;
+            self.out[at] = C::literals(n);
         }
     }
 }
 
 /// Pushes the pixels of a line, of `N` bytes each; `unit` gives that of an ink.
-pub fn pixels<const N: usize>(row: &mut Literals<'_, N>, width: u32, runs: &[Run], paper: [u8; N], unit: impl Fn(u32) -> [u8; N]) {
+pub fn pixels<const N: usize, C: Count>(
+    row: &mut Literals<'_, N, C>,
+    width: u32,
+    runs: &[Run],
+    paper: [u8; N],
+    unit: impl Fn(u32) -> [u8; N],
+) {
     let mut at = 0;
     for run in runs {
         row.push(paper, (run.start - at) as usize);
@@ -112,7 +158,7 @@ pub fn pixels<const N: usize>(row: &mut Literals<'_, N>, width: u32, runs: &[Run
 }
 
 /// Pushes the bytes of a line at a bit a pixel, leftmost in the high bit, 1 where anything is painted.
-pub fn bits(row: &mut Literals<'_, 1>, width: u32, runs: &[Run]) {
+pub fn bits<C: Count>(row: &mut Literals<'_, 1, C>, width: u32, runs: &[Run]) {
     // The byte at hand, and what of it is painted.
     let (mut at, mut byte) = (0, 0);
     for run in runs {
@@ -191,27 +237,39 @@ mod tests {
                 [eight.iter().enumerate().fold(0, |byte, (i, &pixel)| byte | u8::from(pixel > 0) << (7 - i))]
             }).collect();
             let mut out = Vec::new();
-            let mut row = Literals::new(&mut out);
+            let mut row = Literals::<_, Pwg>::new(&mut out);
             pixels(&mut row, width, &runs, paper, |ink| inks[ink as usize]);
             row.end();
             prop_assert_eq!(&out, &plainly(&rgb));
             out.clear();
-            let mut row = Literals::new(&mut out);
+            let mut row = Literals::<_, Pwg>::new(&mut out);
             pixels(&mut row, width, &runs, [paper[0] / 64], |ink| [inks[ink as usize][0] / 64]);
             row.end();
             prop_assert_eq!(&out, &plainly(&grey));
             out.clear();
-            let mut row = Literals::new(&mut out);
+            let mut row = Literals::<_, Pwg>::new(&mut out);
             bits(&mut row, width, &runs);
             row.end();
             prop_assert_eq!(&out, &plainly(&packed));
             out.clear();
-            let mut row = Literals::new(&mut out);
+            let mut row = Literals::<_, Pwg>::new(&mut out);
             pixels(&mut row, width, &runs, paper, |ink| inks[ink as usize]);
             row.end_blank(rgb[0], &[128]);
             let blank = rgb.iter().rev().take_while(|colour| **colour == rgb[0]).count();
             let mut expected = plainly(&rgb[..rgb.len() - blank]);
             expected.extend((blank > 0).then_some(128));
+            prop_assert_eq!(&out, &expected);
+            // The same with the other counts: what one of them calls a repeat the other calls literals, but for single units.
+            out.clear();
+            let mut row = Literals::<_, PackBits>::new(&mut out);
+            bits(&mut row, width, &runs);
+            row.end();
+            let mut expected = plainly(&packed);
+            let mut at = 0;
+            while let Some(count) = expected.get_mut(at) {
+                at += if *count < 128 { 2 } else { 258 - usize::from(*count) };
+                *count = 0_u8.wrapping_sub(*count);
+            }
             prop_assert_eq!(&out, &expected);
         }
     }

@@ -121,6 +121,7 @@ pub trait Encode: Send {
     }
 }
 
+mod adler;
 mod changes;
 mod deflate;
 mod groups;
@@ -139,7 +140,7 @@ macro_rules! formats {
     };
 }
 
-formats! { pbm pgm ppm png pwg urf ndjson rls }
+formats! { pbm pgm ppm png pwg urf pcl pclm ndjson rls }
 
 /// The format of that name.
 pub fn by_name(name: &str) -> Option<&'static Format> {

@@ -21,6 +21,7 @@
 
 use std::ops::Range;
 
+use super::adler::Adler;
 use super::changes::Shown;
 use super::deflate::{self, Block};
 use super::{Encode, Format, Part, Restart, Strip, holds_all, rows};
@@ -293,51 +294,4 @@ fn chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: impl FnOnce(&mut Vec<u8>)) {
     out[start..start + 4].copy_from_slice(&length.to_be_bytes());
     let crc = crc32fast::hash(&out[start + 4..]);
     out.extend_from_slice(&crc.to_be_bytes());
-}
-
-/// Adler-32 (RFC 1950) as a sum that can be put together: the sums over the bytes, and over the sums, without the leading 1. All are kept below the
-/// modulus.
-#[derive(Clone, Copy, Default)]
-struct Adler {
-    a: u64,
-    b: u64,
-    len: u64,
-}
-
-impl Adler {
-    const MODULUS: u64 = 65_521;
-
-    /// The sum of that tally.
-    fn new(tally: [u64; 3]) -> Adler {
-        let [a, b, len] = tally.map(|sum| sum % Self::MODULUS);
-        Adler { a, b, len }
-    }
-
-    fn tally(&self) -> [u64; 3] {
-        [self.a, self.b, self.len]
-    }
-
-    fn of(data: &[u8]) -> Adler {
-        let mut sum = simd_adler32::Adler32::from_checksum(0);
-        sum.write(data);
-        let sum = u64::from(sum.finish());
-        Adler { a: sum & 0xffff, b: sum >> 16, len: data.len() as u64 % Self::MODULUS }
-    }
-
-    /// Of `n` equal bytes, fewer than 2^28.
-    fn equal(byte: u8, n: u64) -> Adler {
-        let byte = u64::from(byte);
-        Adler { a: byte * n % Self::MODULUS, b: byte * (n * (n + 1) / 2) % Self::MODULUS, len: n % Self::MODULUS }
-    }
-
-    fn append(&mut self, next: Adler) {
-        self.b = (self.b + self.a * next.len + next.b) % Self::MODULUS;
-        self.a = (self.a + next.a) % Self::MODULUS;
-        self.len = (self.len + next.len) % Self::MODULUS;
-    }
-
-    fn value(&self) -> u32 {
-        let (a, b) = ((1 + self.a) % Self::MODULUS, (self.len + self.b) % Self::MODULUS);
-        (b << 16 | a) as u32
-    }
 }

@@ -1,13 +1,13 @@
 //! What formats for printers have in common: what pixels are, a resolution in whole dots an inch, and rows as repeats and literals.
 
 use super::groups::Code;
-use super::literals::{Literals, bits, pixels};
+use super::literals::{Literals, Pwg, bits, pixels};
 use super::pgm;
 use crate::error::{Error, Kind, Origin, Result};
 use crate::run::{BLACK, Header, Inks, Lines, Pixels, Rgb, Run, WHITE};
 
 /// Dots an inch where nobody said: a user unit is 1/96 inch.
-const RESOLUTION: f64 = 96.0;
+pub const RESOLUTION: f64 = 96.0;
 
 /// The byte that says that the rest of a row is white.
 const REST: u8 = 128;
@@ -70,7 +70,7 @@ impl<const N: usize> Units<N> {
         }
     }
 
-    fn push(&self, row: &mut Literals<'_, N>, width: u32, runs: &[Run]) {
+    fn push(&self, row: &mut Literals<'_, N, Pwg>, width: u32, runs: &[Run]) {
         match self {
             Units::Listed(units) => pixels(row, width, runs, units[0], |ink| units[ink as usize + 1]),
             Units::Shaded(inks, unit) => pixels(row, width, runs, unit(inks.paper()), |ink| unit(inks.colour(ink))),
@@ -79,7 +79,7 @@ impl<const N: usize> Units<N> {
 
     /// Writes a row; with `blank`, white at its end is one byte.
     fn row(&self, width: u32, runs: &[Run], blank: bool, out: &mut Vec<u8>) {
-        let mut row = Literals::new(out);
+        let mut row = Literals::<_, Pwg>::new(out);
         self.push(&mut row, width, runs);
         if blank { row.end_blank([0xff; N], &[REST]) } else { row.end() }
     }
@@ -118,7 +118,7 @@ impl Code for Coded {
         out.push((lines.n - 1) as u8);
         match &self.units {
             Coding::Black => {
-                let mut row = Literals::new(out);
+                let mut row = Literals::<_, Pwg>::new(out);
                 bits(&mut row, self.width, lines.runs);
                 row.end();
             }

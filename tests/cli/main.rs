@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // all of this is tests
 
 mod output;
+mod pages;
 mod reference;
 mod signals;
 mod solid;

@@ -8,8 +8,8 @@ fn wrong_usage_is_one_line() {
     for (args, line) in [
         ("fil scene.json", "unrecognized subcommand 'fil'; a similar subcommand exists: 'fill' (see runset --help)"),
         ("--frob", "unexpected argument '--frob' found (see runset --help)"),
-        ("fill", "the following required arguments were not provided: <INPUT> (see runset fill --help)"),
-        ("fill scene.json more.json", "unexpected argument 'more.json' found (see runset fill --help)"),
+        ("fill", "the following required arguments were not provided: <INPUT>... (see runset fill --help)"),
+        ("convert scene.json more.json", "unexpected argument 'more.json' found (see runset convert --help)"),
         (
             "fill scene.json --lins 0..1",
             "unexpected argument '--lins' found; a similar argument exists: '--lines' (see runset fill --help)",
@@ -62,7 +62,7 @@ fn an_unknown_format_or_extension_is_answered_with_all_of_them() {
     for args in ["fill scene.json --format frob", "fill scene.json -o a.frob", "convert scene.json -o a.frob"] {
         let ran = folder.run(args);
         assert_eq!((ran.status, ran.stderr.lines().count()), (Some(2), 1), "{}", ran.stderr);
-        for format in ["pbm", "pgm", "ppm", "png", "pwg", "urf", "ndjson", "rls"] {
+        for format in ["pbm", "pgm", "ppm", "png", "pwg", "urf", "pcl", "pclm", "ndjson", "rls"] {
             assert!(ran.stderr.contains(format), "{format}: {}", ran.stderr);
         }
     }

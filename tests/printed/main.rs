@@ -5,6 +5,8 @@
 #[path = "../raster/mod.rs"]
 mod raster;
 
+mod pcl;
+mod pclm;
 mod readers;
 mod sheets;
 

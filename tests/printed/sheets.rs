@@ -149,7 +149,10 @@ fn what_a_format_does_not_hold_is_refused_before_the_first_byte() {
         error
     };
     let pages = refused("png", &Options::default(), 2);
-    assert!(pages.what.starts_with("a file of png is one page, and 2 are asked for: ask for one, or for a format of pwg, urf"), "{pages}");
+    assert!(
+        pages.what.starts_with("a file of png is one page, and 2 are asked for: ask for one, or for a format of pwg, urf, pcl"),
+        "{pages}"
+    );
     assert_eq!(refused("pwg", &Options::default(), 0).kind, Kind::Refused);
     for dpi in [0.3, 1e12, -5.0, f64::NAN, f64::INFINITY] {
         for format in ["pwg", "urf"] {
