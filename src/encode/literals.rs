@@ -14,6 +14,7 @@
 //! Source: PWG 5102.4, section 4.3; TIFF 6.0, section 9.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use crate::run::Run;
 
@@ -140,28 +141,37 @@ impl<'o, const N: usize, C: Count> Literals<'o, N, C> {
     }
 }
 
-/// Pushes the pixels of a line, of `N` bytes each; `unit` gives that of an ink.
+/// Those of a line's runs that are in some columns at least in part.
+fn within<'r>(runs: &'r [Run], columns: &Range<u32>) -> &'r [Run] {
+    let first = runs.partition_point(|run| run.end <= columns.start);
+    let end = runs.partition_point(|run| run.start < columns.end);
+    runs.get(first..end).unwrap_or_default()
+}
+
+/// Pushes the pixels of some columns of a line, of `N` bytes each; `unit` gives that of an ink.
 pub fn pixels<const N: usize, C: Count>(
     row: &mut Literals<'_, N, C>,
-    width: u32,
+    columns: Range<u32>,
     runs: &[Run],
     paper: [u8; N],
     unit: impl Fn(u32) -> [u8; N],
 ) {
-    let mut at = 0;
-    for run in runs {
-        row.push(paper, (run.start - at) as usize);
-        row.push(unit(run.ink), (run.end - run.start) as usize);
-        at = run.end;
+    let mut at = columns.start;
+    for run in within(runs, &columns) {
+        let (start, end) = (run.start.max(at), run.end.min(columns.end));
+        row.push(paper, (start - at) as usize);
+        row.push(unit(run.ink), (end - start) as usize);
+        at = end;
     }
-    row.push(paper, (width - at) as usize);
+    row.push(paper, (columns.end - at) as usize);
 }
 
-/// Pushes the bytes of a line at a bit a pixel, leftmost in the high bit, 1 where anything is painted.
-pub fn bits<C: Count>(row: &mut Literals<'_, 1, C>, width: u32, runs: &[Run]) {
+/// Pushes the bytes of some columns of a line at a bit a pixel, leftmost in the high bit, 1 where anything is painted. The first column is that of a byte.
+pub fn bits<C: Count>(row: &mut Literals<'_, 1, C>, columns: Range<u32>, runs: &[Run]) {
     // The byte at hand, and what of it is painted.
-    let (mut at, mut byte) = (0, 0);
-    for run in runs {
+    let (mut at, mut byte) = (columns.start / 8, 0);
+    for run in within(runs, &columns) {
+        let run = Run { start: run.start.max(columns.start), end: run.end.min(columns.end), ink: 0 };
         let (first, last) = (run.start / 8, run.end / 8);
         if first > at {
             row.push([byte], 1);
@@ -177,7 +187,7 @@ pub fn bits<C: Count>(row: &mut Literals<'_, 1, C>, width: u32, runs: &[Run]) {
             (at, byte) = (last, tail);
         }
     }
-    let bytes = width.div_ceil(8);
+    let bytes = columns.end.div_ceil(8);
     if at < bytes {
         row.push([byte], 1);
         row.push([0], (bytes - at - 1) as usize);
@@ -238,22 +248,22 @@ mod tests {
             }).collect();
             let mut out = Vec::new();
             let mut row = Literals::<_, Pwg>::new(&mut out);
-            pixels(&mut row, width, &runs, paper, |ink| inks[ink as usize]);
+            pixels(&mut row, 0..width, &runs, paper, |ink| inks[ink as usize]);
             row.end();
             prop_assert_eq!(&out, &plainly(&rgb));
             out.clear();
             let mut row = Literals::<_, Pwg>::new(&mut out);
-            pixels(&mut row, width, &runs, [paper[0] / 64], |ink| [inks[ink as usize][0] / 64]);
+            pixels(&mut row, 0..width, &runs, [paper[0] / 64], |ink| [inks[ink as usize][0] / 64]);
             row.end();
             prop_assert_eq!(&out, &plainly(&grey));
             out.clear();
             let mut row = Literals::<_, Pwg>::new(&mut out);
-            bits(&mut row, width, &runs);
+            bits(&mut row, 0..width, &runs);
             row.end();
             prop_assert_eq!(&out, &plainly(&packed));
             out.clear();
             let mut row = Literals::<_, Pwg>::new(&mut out);
-            pixels(&mut row, width, &runs, paper, |ink| inks[ink as usize]);
+            pixels(&mut row, 0..width, &runs, paper, |ink| inks[ink as usize]);
             row.end_blank(rgb[0], &[128]);
             let blank = rgb.iter().rev().take_while(|colour| **colour == rgb[0]).count();
             let mut expected = plainly(&rgb[..rgb.len() - blank]);
@@ -262,7 +272,7 @@ mod tests {
             // The same with the other counts: what one of them calls a repeat the other calls literals, but for single units.
             out.clear();
             let mut row = Literals::<_, PackBits>::new(&mut out);
-            bits(&mut row, width, &runs);
+            bits(&mut row, 0..width, &runs);
             row.end();
             let mut expected = plainly(&packed);
             let mut at = 0;

@@ -123,6 +123,7 @@ pub trait Encode: Send {
 
 mod adler;
 mod changes;
+mod coded;
 mod deflate;
 mod groups;
 mod literals;

@@ -144,7 +144,7 @@ impl Code for Rows {
         } else {
             self.packed.clear();
             let mut row = Literals::<1, PackBits>::new(&mut self.packed);
-            bits(&mut row, self.width, lines.runs);
+            bits(&mut row, 0..self.width, lines.runs);
             row.end_blank([0], &[]);
             let alone = lines.y.is_multiple_of(GROUP);
             if !alone {

@@ -5,12 +5,13 @@
 //! ```
 //!
 //! Black alone is 1 bit a pixel, inks that are gray 8 bits, others sRGB, unless [`Sheet::pixels`](crate::run::Sheet::pixels) says otherwise. Equal lines are a group
-//! (`groups.rs`), a row is made of its runs (`literals.rs`).
+//! (`groups.rs`), a row is made of its runs (`literals.rs`), and what did not change since the one before is copied (`coded.rs`).
 //!
 //! Source: PWG 5102.4-2012, PWG Raster Format; PWG 5101.1-2013, Media Standardized Names.
 
+use super::coded::Coded;
 use super::groups::Groups;
-use super::printed::{Coded, bits_of, pixels_of, resolution, within};
+use super::printed::{bits_of, pixels_of, resolution, within};
 use super::{Encode, Format, media};
 use crate::error::Result;
 use crate::run::{Header, Pixels};
@@ -42,7 +43,7 @@ fn encoder(header: &Header) -> Box<dyn Encode> {
         head.extend_from_slice(b"RaS2");
     }
     head.extend_from_slice(&page(header, pixels));
-    Groups::boxed(header, row_bytes(header, pixels), head, Vec::new(), Coded::new(header, pixels, false))
+    Groups::boxed(header, row_bytes(header, pixels), head, Vec::new(), Coded::new(header, pixels))
 }
 
 fn row_bytes(header: &Header, pixels: Pixels) -> usize {

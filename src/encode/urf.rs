@@ -8,8 +8,9 @@
 //!
 //! Source: what libcups 2.4 reads and writes (`cups/raster-stream.c`); there is no public specification.
 
+use super::coded::Ending;
 use super::groups::Groups;
-use super::printed::{Coded, bits_of, pixels_of, resolution, within};
+use super::printed::{bits_of, pixels_of, resolution, within};
 use super::{Encode, Format};
 use crate::error::Result;
 use crate::run::{Header, Pixels};
@@ -48,5 +49,5 @@ fn encoder(header: &Header) -> Box<dyn Encode> {
         head.extend_from_slice(&number.to_be_bytes());
     }
     let row_bytes = header.width as usize * bits as usize / 8;
-    Groups::boxed(header, row_bytes, head, Vec::new(), Coded::new(header, pixels, true))
+    Groups::boxed(header, row_bytes, head, Vec::new(), Ending::new(header, pixels))
 }

@@ -82,6 +82,8 @@ fn what_is_wrong_is_told_in_one_form() {
     fill("", &svg("<image xlink:href='https://example.org/a.png' width='9' height='9'/>")).problem(422, "refused");
     fill("", &svg("<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>")).problem(422, "refused");
     fill("", &empty(1001, 1000)).problem(422, "limit");
+    fill("?format=pwg&dpi=0.3", &empty(9, 9)).problem(422, "limit");
+    server.post_job("?format=pwg&dpi=0.3", &[], empty(9, 9)).problem(422, "limit");
     fill("", "").problem(400, "malformed");
     fill("", &" ".repeat(200 << 10)).problem(413, "too-large");
     for kind in ["text/plain", "image/png", "nonsense", "", "application/json2"] {
