@@ -64,7 +64,7 @@ fn pages_of_a_document_and_copies_within_it() {
         );
         std::fs::write(folder.path(&format!("{name}.json")), square).unwrap();
     }
-    for (format, media_type) in [("pwg", "image/pwg-raster"), ("urf", "image/urf")] {
+    for (format, media_type) in [("pwg", "image/pwg-raster"), ("urf", "image/urf"), ("pcl", "application/vnd.hp-PCL")] {
         let Some(printer) = Printer::start(media_type, "true") else { return };
         let ran = folder.run(&format!("print a.json b.json --copies 2 --to {}", printer.uri()));
         ran.printed();
@@ -183,4 +183,19 @@ fn a_drawing_that_is_wrong_makes_no_job() {
     std::fs::write(folder.path("bad.json"), "{").unwrap();
     folder.run(&format!("print bad.json --to {}", printer.uri())).failed(1, &["bad.json:1:"]);
     assert!(printer.jobs().is_empty());
+}
+
+#[test]
+fn what_the_network_tells_of_is_listed() {
+    let Some(printer) = Printer::start("image/png,image/x-portable-bitmap", "true") else { return };
+    // Told by this process, as a printer tells it (RFC 6763), with the addresses of this machine.
+    let daemon = mdns_sd::ServiceDaemon::new().unwrap();
+    let told = [("rp", "ipp/print"), ("pdl", "image/png"), ("note", "")];
+    let service = mdns_sd::ServiceInfo::new("_ipp._tcp.local.", "runset test", "runset-test.local.", "", printer.port, &told[..]);
+    daemon.register(service.unwrap().enable_addr_auto()).unwrap();
+    let folder = Folder::new();
+    let ran = folder.run("printers --time 5");
+    let row = ran.stdout.lines().find(|line| line.contains(&format!(":{}/ipp/print", printer.port)));
+    assert!(row.is_some_and(|row| row.contains("virtual") && row.contains("pbm png") && row.contains("600")), "{ran:?}");
+    let _ = daemon.shutdown();
 }

@@ -17,7 +17,7 @@ use super::super::jobs::Live;
 use super::super::params::Params;
 use super::super::raster::{Follow, Raster};
 use super::super::{Service, ask as asking, meters};
-use super::{PrintState, Stored};
+use super::{Print, PrintState, Stored};
 use crate::job::{Job, Options, Stream};
 use crate::print::body::Body;
 use crate::print::choice::{self, Choice};
@@ -77,6 +77,7 @@ async fn see_through(service: &Service, live: &Arc<Live>, stored: Stored, cancel
             format!("{named}: this service does not print on it any more: --printer names those that it does"),
         ));
     };
+    live.change(|now| now.print(|print| show(print, &stored.stage)));
     let config = &service.config;
     let limits = Limits { wait: config.print_wait, follow: config.print_follow, spool: config.max_spool, ..Limits::default() };
     let client = Client::new(address, limits);
@@ -205,6 +206,17 @@ impl Follow for Following {
     }
 }
 
+/// Shows the stage that a print has come to.
+fn show(print: &mut Print, stage: &Stage) {
+    print.state = match stage {
+        Stage::New | Stage::Created(_) => PrintState::Waiting,
+        Stage::Sending(_) => PrintState::Sending,
+        Stage::Sent(_) => PrintState::Printing,
+    };
+    print.job = stage.job().map(|job| job.uri.clone());
+    print.told = None;
+}
+
 /// Keeps what is known of a print.
 struct Watcher<'s> {
     service: &'s Service,
@@ -217,20 +229,12 @@ impl Watch for Watcher<'_> {
             // A service that ends sends nothing any more: the next one does.
             std::future::pending::<()>().await;
         }
-        self.live.change(|now| {
-            now.print(|print| {
-                print.state = match stage {
-                    Stage::New | Stage::Created(_) => PrintState::Waiting,
-                    Stage::Sending(_) => PrintState::Sending,
-                    Stage::Sent(_) => PrintState::Printing,
-                };
-                print.job = stage.job().map(|job| job.uri.clone());
-                print.told = None;
-            });
-            now.errand.iter_mut().for_each(|errand| errand.stage = stage.clone());
-        });
+        self.live.change(|now| now.errand.iter_mut().for_each(|errand| errand.stage = stage.clone()));
         let kept = self.service.jobs.store_now(self.live).await;
-        kept.map_err(|problem| Failure::new(Why::Kept, format!("what is known of the print cannot be stored: {}", problem.detail())))
+        kept.map_err(|problem| Failure::new(Why::Kept, format!("what is known of the print cannot be stored: {}", problem.detail())))?;
+        // Nobody is told of a stage that a restart would not know.
+        self.live.change(|now| now.print(|print| show(print, stage)));
+        Ok(())
     }
 
     fn waits(&mut self, why: &str) {
@@ -243,7 +247,7 @@ impl Watch for Watcher<'_> {
 
     fn prints(&mut self, status: &Status) {
         let told = Some(status.told());
-        let known = |print: &super::Print| print.told == told && print.impressions == status.impressions;
+        let known = |print: &Print| print.told == told && print.impressions == status.impressions;
         if self.live.view().print().is_some_and(known) {
             return;
         }
