@@ -93,6 +93,9 @@ pub fn describe(api: OpenApi) -> Value {
     for (path, methods) in api["paths"].as_object_mut().into_iter().flatten() {
         for (_, operation) in methods.as_object_mut().into_iter().flatten() {
             operation["responses"]["403"] = forbidden.clone();
+            // Told before a request is one, so without a problem.
+            operation["responses"]["414"] = json!({ "description": "The address is too long" });
+            operation["responses"]["431"] = json!({ "description": "The head is too long" });
             if path.starts_with("/v1") {
                 operation["security"] = json!([{ "token": [] }, {}]);
                 operation["responses"]["401"] = unauthorized.clone();
