@@ -24,7 +24,9 @@ impl<'t> Edits<'t> {
     }
 
     /// Puts a text in the place of another.
-    pub(super) fn replace(&mut self, place: Range<usize>, new: String) {
+    pub(super) fn replace(&mut self, place: Range<usize>, mut new: String) {
+        // There are many, and at once.
+        new.shrink_to_fit();
         self.edits.push((place, new));
     }
 
