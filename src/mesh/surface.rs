@@ -9,7 +9,7 @@ use super::{Face, Mesh, Origin, Point, cross, dot, length, minus};
 pub const THIN: f64 = 1e-11;
 
 /// How large it is at least, as the side of a cube of its volume, in the same terms. Coordinates of an STL are given to 6e-8.
-const SMALL: f64 = 1e-6;
+pub const SMALL: f64 = 1e-6;
 
 /// A triangle, counterclockwise as seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
