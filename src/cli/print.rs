@@ -252,7 +252,7 @@ async fn print_all(args: &Print, started: Instant, cancelled: &CancellationToken
     let client = Client::new(address.clone(), args.patience.limits());
     let mut said = Said::default();
     let asked = tokio::select! {
-        asked = print::ask(&client, |why| said.once(&why.what)) => asked,
+        asked = print::ask(&client, |why| said.once(&waiting(&why.what))) => asked,
         () = cancelled.cancelled() => Err(Unprinted::new(Why::Cancelled, "cancelled: nothing was sent")),
     };
     let printer = asked.map_err(failure)?;
@@ -419,6 +419,11 @@ struct Shown<'c> {
     said: Said,
 }
 
+/// What is said while a printer is asked again.
+fn waiting(why: &str) -> String {
+    format!("{why}; waiting")
+}
+
 impl Watch for Shown<'_> {
     async fn reached(&mut self, stage: &Stage) -> Result<(), Unprinted> {
         match stage {
@@ -431,7 +436,7 @@ impl Watch for Shown<'_> {
     }
 
     fn waits(&mut self, why: &str) {
-        self.said.once(&format!("{why}; waiting"));
+        self.said.once(&waiting(why));
     }
 
     fn sent(&mut self, _bytes: u64) {
